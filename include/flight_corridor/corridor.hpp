@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <octomap/OcTree.h>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct CorridorConfig {
+  std::string frame_id;               ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
+  double width_m = 1.2;
+  double height_m = 0.4;
+  double length_m = 4.0;              ///< D_min: nearer obstacles block.
+  Eigen::Vector3d offset_m{0, 0, 0};  ///< Shift of the box's start: forward, left, up.
+  double margin_m = 0.0;              ///< Added on every side and at the end.
+  double blind_m = 0.4;               ///< Nearer than this nothing needs to have been observed.
+  double max_unknown_fraction = 0.1;  ///< More unobserved volume than this: UNKNOWN.
+  double max_age_s = 0.5;             ///< Evidence older than this: UNKNOWN.
+};
+Violations check(const CorridorConfig& config);
+
+/// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z (up).
+struct Box {
+  Eigen::Isometry3d T_M_F = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d size_m{0, 0, 0};
+};
+
+/// Optical frame (z forward, x right, y down) seen from a forward-left-up frame at the same place: T_C_F.
+Eigen::Isometry3d opticalFromForward();
+
+/// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
+bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
+
+/// What the octree says of a box.
+struct CorridorOccupancy {
+  double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell's near face; +inf when none.
+  double unknown_fraction = 1.0;        ///< Unobserved share of the observable cells; 1 when nothing is observable.
+};
+
+/// The UAV-sized box ahead, tested against an octree.
+class Corridor {
+ public:
+  /// @throws std::invalid_argument with every broken rule.
+  explicit Corridor(const CorridorConfig& config);
+
+  /// The configured box, margin and offset applied, in map frame M.
+  /// @param T_M_F frame that the corridor belongs to (x forward) in M.
+  Box box(const Eigen::Isometry3d& T_M_F) const;
+
+  /// @param observable whether a point of M must have been seen for the box to be free.
+  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box,
+                            const std::function<bool(const Eigen::Vector3d& p_M)>& observable) const;
+
+ private:
+  CorridorConfig config_;
+};
+
+}  // namespace flight_corridor

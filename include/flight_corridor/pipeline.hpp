@@ -1,0 +1,120 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "flight_corridor/beam_footprint.hpp"
+#include "flight_corridor/cloud_builder.hpp"
+#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+/// Every module's configuration; the YAML's sections bear the members' names.
+struct Config {
+  StereoConfig stereo;
+  LidarConfig lidar;
+  FusionConfig fusion;
+  ScaleConfig scale;
+  CloudConfig cloud;
+  MapConfig map;
+  CorridorConfig corridor;
+};
+/// Every broken rule of every section.
+Violations check(const Config& config);
+
+struct StageTimes {
+  double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;
+};
+
+/// Fixed poses of the rig.
+struct Rig {
+  std::optional<Eigen::Isometry3d> T_C_L;  ///< LiDAR (beam along +x); without it LiDAR readings are not used.
+  Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Frame of the corridor (x forward).
+};
+
+/// Everything that one stereo pair gave.
+struct Report {
+  Verdict verdict;
+  RangeEstimate range;               ///< d_K at the frame's stamp.
+  double range_lidar_m = kNaN;       ///< d_L: newest usable reading not after the frame, within fusion/max_gap_s.
+  double range_stereo_m = kNaN;      ///< D_c: scale-corrected stereo range on the beam.
+  double scale = 1.0;                ///< Depth after / before correction, at D_c (at 4 m without one).
+  double scale_sigma = kNaN;
+  StageTimes times;
+};
+
+/// Counts since construction, for diagnostics.
+struct Counters {
+  std::uint64_t frames = 0, frames_refused = 0;
+  std::uint64_t lidar_readings = 0, lidar_invalid = 0, lidar_gated = 0, stereo_gated = 0;
+};
+
+/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws.
+class Pipeline {
+ public:
+  /// @throws std::invalid_argument with every broken rule of the config or the rig.
+  Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
+
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).
+  Outcome addRange(const RangeReading& reading);
+
+  /// The verdict for one stereo pair.
+  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set, else unused.
+  /// @return valid until the next call.
+  const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
+
+  /// Forgets everything but the configuration and the rig.
+  void reset();
+
+  const Config& config() const { return config_; }
+  const StereoGeometry& geometry() const { return geometry_; }
+  const Counters& counters() const { return counters_; }
+  /// Products of the last processed frame.
+  const Disparity& disparity() const { return disparity_; }
+  const DepthImages& depth() const { return depth_; }
+  const OccupancyMap& map() const { return map_; }
+  const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
+  /// The corridor's box in the map's frame, and in C.
+  Box box() const { return corridor_.box(T_M_C_ * rig_.T_C_F); }
+  Box boxInCamera() const { return corridor_.box(rig_.T_C_F); }
+  /// Filtered, scale-corrected cloud of the last frame in C; computed on the first call after a frame.
+  const Cloud& cloud();
+
+ private:
+  std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
+  void fuseRange(double stamp_s);
+  void updateMap();
+  void decide(const CorridorOccupancy& occupancy);
+  bool beamEndsInBox() const;
+  const Report& refuse(std::uint32_t reasons);
+
+  Config config_;
+  StereoGeometry geometry_;
+  Rig rig_;
+  DisparityEstimator disparity_estimator_;
+  BeamFootprint beam_;
+  RangeFusion fusion_;
+  ScaleCorrection scale_;
+  CloudBuilder cloud_builder_;
+  OccupancyMap map_;
+  Corridor corridor_;
+
+  std::optional<RangeReading> lidar_;  // newest usable one
+  Disparity disparity_;
+  DepthImages depth_;
+  cv::Mat left_;
+  Cloud cloud_;
+  bool cloud_is_current_ = false;
+  Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
+  Report report_;
+  Counters counters_;
+};
+
+}  // namespace flight_corridor

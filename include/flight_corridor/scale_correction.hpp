@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct ScaleConfig {
+  bool enabled = true;
+  double max_correction = 0.15;        ///< Largest relative change of a depth.
+  double prior_sigma = 0.05;           ///< How wrong the calibration's scale is expected to be.
+  double offset_prior_sigma_px = 0.5;  ///< How wrong its disparity offset is expected to be.
+  double drift_sigma_per_sqrt_s = 0.002;  ///< Slow forgetting of the scale.
+  double gate_sigma = 3.0;             ///< Pairs further from the model are not learnt from.
+};
+Violations check(const ScaleConfig& config);
+
+/// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's:
+/// d_true = a*d + b, a Bayesian linear regression in disparity. With one range only, the prior shares the error between
+/// a (baseline, focal length) and b (relative yaw); a varying range separates them.
+class ScaleCorrection {
+ public:
+  /// @throws std::invalid_argument with every broken rule.
+  explicit ScaleCorrection(const ScaleConfig& config);
+
+  /// One pair of what stereo measured and what it should have measured.
+  /// @param measured_px, expected_px, sigma_px  [px]; sigma of their difference.
+  /// @return whether the pair passed the gate.
+  bool update(double stamp_s, double measured_px, double expected_px, double sigma_px);
+
+  /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
+  double correct(double disparity_px) const;
+
+  /// Depth after / depth before correction at a disparity [-].
+  double scale(double disparity_px) const { return disparity_px / correct(disparity_px); }
+  /// One sigma of scale() [-].
+  double sigma(double disparity_px) const;
+
+  void reset();
+
+ private:
+  ScaleConfig config_;
+  double stamp_s_ = kNaN;
+  Eigen::Vector2d mean_;        // a [-], b [px]
+  Eigen::Matrix2d covariance_;
+};
+
+}  // namespace flight_corridor
