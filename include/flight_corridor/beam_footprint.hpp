@@ -1,10 +1,9 @@
 #pragma once
 
-#include <optional>
-#include <vector>
-
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
 
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
@@ -12,10 +11,10 @@
 namespace flight_corridor {
 
 struct LidarConfig {
-  double min_range_m = 0.2;           ///< Readings below are refused, also when the message allows them.
-  double max_range_m = 100.0;         ///< Readings above mean "nothing in range".
-  double min_beam_width_rad = 0.02;   ///< Footprint used when the message's field_of_view is smaller.
-  double min_valid_fraction = 0.3;    ///< Share of the footprint's pixels that must carry disparity.
+  double min_range_m = 0.2;          ///< Readings below are refused, also when the message allows them.
+  double max_range_m = 100.0;        ///< Readings above mean "nothing in range".
+  double min_beam_width_rad = 0.02;  ///< Footprint used when the message's field_of_view is smaller.
+  double min_valid_fraction = 0.3;   ///< Share of the footprint's pixels that must carry disparity.
 };
 Violations check(const LidarConfig& config);
 
@@ -39,9 +38,6 @@ class BeamFootprint {
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
   /// @throws std::invalid_argument with every broken rule, or when the beam does not point to where the camera looks.
   BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
-
-  /// Beam along the optical axis from the left camera: what D_c means without a LiDAR.
-  static Eigen::Isometry3d opticalAxis();
 
   /// Footprint at a range along the beam; nullopt when it lies outside the image or behind the camera.
   std::optional<Footprint> at(double range_m, double beam_width_rad) const;

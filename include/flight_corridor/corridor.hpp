@@ -1,17 +1,17 @@
 #pragma once
 
-#include <functional>
-#include <string>
+#include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
-#include <octomap/OcTree.h>
+#include <functional>
+#include <string>
 
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
 
 struct CorridorConfig {
-  std::string frame_id;               ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
+  std::string frame_id;  ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
   double width_m = 1.2;
   double height_m = 0.4;
   double length_m = 4.0;              ///< D_min: nearer obstacles block.
@@ -23,22 +23,21 @@ struct CorridorConfig {
 };
 Violations check(const CorridorConfig& config);
 
-/// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z (up).
+/// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z
+/// (up).
 struct Box {
   Eigen::Isometry3d T_M_F = Eigen::Isometry3d::Identity();
   Eigen::Vector3d size_m{0, 0, 0};
 };
-
-/// Optical frame (z forward, x right, y down) seen from a forward-left-up frame at the same place: T_C_F.
-Eigen::Isometry3d opticalFromForward();
 
 /// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
 
 /// What the octree says of a box.
 struct CorridorOccupancy {
-  double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell's near face; +inf when none.
-  double unknown_fraction = 1.0;        ///< Unobserved share of the observable cells; 1 when nothing is observable.
+  double clear_distance_m =
+      kInfinity;                  ///< Along the box's axis to the nearest occupied cell's near face; +inf when none.
+  double unknown_fraction = 1.0;  ///< Unobserved share of the observable cells; 1 when nothing is observable.
 };
 
 /// The UAV-sized box ahead, tested against an octree.

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
-
 #include <opencv2/calib3d.hpp>
 #include <opencv2/ximgproc/disparity_filter.hpp>
+#include <string>
 
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
@@ -12,28 +11,28 @@
 namespace flight_corridor {
 
 struct StereoConfig {
-  std::string mode = "3way";          ///< sgbm, hh, 3way or hh4 (cv::StereoSGBM modes).
-  int num_disparities_px = 128;       ///< Search range, a multiple of 16; nearest depth = f*B/num_disparities.
-  int block_size_px = 5;              ///< Odd.
-  int smoothness_small = 8;           ///< SGBM P1 per pixel of the block (Hirschmueller 2008, eq. 13).
-  int smoothness_large = 32;          ///< SGBM P2 per pixel of the block.
-  int uniqueness_percent = 10;        ///< The best match must beat the second by this much.
-  int left_right_max_px = 1;          ///< Largest left-right inconsistency; -1 switches the check off.
-  int speckle_window_px = 100;        ///< Smaller islands of disparity are removed; 0 switches it off.
+  std::string mode = "3way";     ///< sgbm, hh, 3way or hh4 (cv::StereoSGBM modes).
+  int num_disparities_px = 128;  ///< Search range, a multiple of 16; nearest depth = f*B/num_disparities.
+  int block_size_px = 5;         ///< Odd.
+  int smoothness_small = 8;      ///< SGBM P1 per pixel of the block (Hirschmueller 2008, eq. 13).
+  int smoothness_large = 32;     ///< SGBM P2 per pixel of the block.
+  int uniqueness_percent = 10;   ///< The best match must beat the second by this much.
+  int left_right_max_px = 1;     ///< Largest left-right inconsistency; -1 switches the check off.
+  int speckle_window_px = 100;   ///< Smaller islands of disparity are removed; 0 switches it off.
   int speckle_range_px = 2;
-  double texture_min = 1.5;           ///< Smallest local grey gradient that counts as texture [grey levels].
-  double wls_lambda = 8000.0;         ///< Weight of smoothness in the WLS filter (Min et al. 2014).
-  double wls_sigma = 1.5;             ///< Sensitivity to image edges in the WLS filter.
-  double wls_min_confidence = 0.5;    ///< Below, a WLS value is invented, not measured [0..1].
-  double min_matched_fraction = 0.05; ///< Fewer matched pixels: the images hold no evidence.
+  double texture_min = 1.5;            ///< Smallest local grey gradient that counts as texture [grey levels].
+  double wls_lambda = 8000.0;          ///< Weight of smoothness in the WLS filter (Min et al. 2014).
+  double wls_sigma = 1.5;              ///< Sensitivity to image edges in the WLS filter.
+  double wls_min_confidence = 0.5;     ///< Below, a WLS value is invented, not measured [0..1].
+  double min_matched_fraction = 0.05;  ///< Fewer matched pixels: the images hold no evidence.
 };
 Violations check(const StereoConfig& config);
 
 /// What the matcher saw. All maps have the image's size; principal-point difference removed; NaN = nothing.
 struct Disparity {
-  cv::Mat matched_px;     ///< CV_32FC1: unique, left-right consistent, textured matches. The evidence.
-  cv::Mat filtered_px;    ///< CV_32FC1: edge-preserving WLS fill of the matches, confident pixels only.
-  cv::Mat confidence;     ///< CV_32FC1 [0..1]: of filtered_px.
+  cv::Mat matched_px;             ///< CV_32FC1: unique, left-right consistent, textured matches. The evidence.
+  cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill of the matches, confident pixels only.
+  cv::Mat confidence;             ///< CV_32FC1 [0..1]: of filtered_px.
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
 };
 
@@ -48,16 +47,27 @@ class DisparityEstimator {
   /// @param out refilled.
   void estimate(const StereoFrame& frame, Disparity& out);
 
+  /// Whether a surface at a point of C could be matched: on both images, and within the disparities searched.
+  bool observes(const Eigen::Vector3d& p_C) const;
+
  private:
-  void rejectUntextured(const cv::Mat& left, cv::Mat& disparity_px);
+  void pad(const cv::Mat& image, cv::Mat& padded) const;
+  void match(const StereoFrame& frame, Disparity& out);
+  void fill(Disparity& out);
+  void toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const;
 
   StereoConfig config_;
   StereoGeometry geometry_;
+  int min_disparity_px_;  // of the matcher: room below zero for a rig whose offset is wrong
+  int pad_left_px_,
+      pad_right_px_;     // the matcher skips columns that cannot see its whole search range: padding brings them back
+  cv::Rect image_area_;  // of the padded images
   cv::Ptr<cv::StereoSGBM> matcher_;
-  cv::Ptr<cv::StereoMatcher> wls_left_matcher_;
+  cv::Ptr<cv::StereoSGBM> wls_left_matcher_;
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
-  cv::Mat left_padded_, right_padded_, raw_fixed_, left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_;
+  cv::Mat left_padded_, right_padded_, left_half_, right_half_;
+  cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_, keep_;
 };
 
 }  // namespace flight_corridor

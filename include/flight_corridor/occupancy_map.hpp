@@ -1,29 +1,29 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
-#include <octomap/OcTree.h>
 #include <opencv2/core/mat.hpp>
+#include <string>
+#include <unordered_map>
+#include <vector>
 
-#include "flight_corridor/cloud_builder.hpp"
+#include "flight_corridor/depth_pyramid.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 
 namespace flight_corridor {
 
 struct MapConfig {
-  std::string frame_id;              ///< "" = camera frame, map built anew for each image; else the fixed frame, by tf.
-  double resolution_m = 0.10;        ///< Edge of a cell.
-  double max_range_m = 8.0;          ///< Depth up to which evidence is used.
-  double hit_fraction = 0.15;        ///< A cell is hit by this share of the points that a full face would show there.
-  int min_hit_points = 4;            ///< ... and by no fewer points than these.
-  double free_band_sigma = 2.0;      ///< Space nearer than this many sigma_Z before a surface is not cleared.
-  double disparity_sigma_px = 0.5;   ///< sigma_d of that sigma_Z.
-  double min_ray_fraction = 0.5;     ///< Share of a cell's pixels that must see past it to clear it.
-  double log_odds_hit = 2.0;         ///< Added for a hit; one hit makes a cell occupied.
-  double log_odds_miss = -0.7;       ///< Added for a miss.
-  double log_odds_min = -2.0;        ///< Clamping limits.
+  std::string frame_id;           ///< "" = camera frame, map built anew for each image; else the fixed frame, by tf.
+  double resolution_m = 0.10;     ///< Edge of a cell.
+  double max_range_m = 8.0;       ///< Depth up to which evidence is used.
+  double hit_fraction = 0.15;     ///< A cell is hit by this share of the points that a full face would show there.
+  int min_hit_points = 4;         ///< ... and by no fewer points than these.
+  double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
+  double min_ray_fraction = 0.5;  ///< Share of a cell's pixels that must see past it to clear it.
+  double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
+  double log_odds_miss = -0.7;    ///< Added for a miss.
+  double log_odds_min = -2.0;     ///< Clamping limits.
   double log_odds_max = 3.5;
 };
 Violations check(const MapConfig& config);
@@ -35,24 +35,54 @@ class OccupancyMap {
   /// @throws std::invalid_argument with every broken rule.
   OccupancyMap(const MapConfig& config, const StereoGeometry& geometry);
 
-  /// Hits: cells holding enough points of either image for their distance. Misses: cells that all rays through them end
-  /// beyond, coarse-to-fine. Hits win over misses.
+  /// Hits: cells holding enough points of either image for their distance. Misses: cells that the rays through them end
+  /// beyond, coarse to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth  both images of geometry.size(), depth along z of C [m], NaN = no ray.
   void insert(const DepthImages& depth, const Eigen::Isometry3d& T_M_C);
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
-  /// @param hit false: nothing met at the end (the beam is cut at max_range_m).
+  /// @param hit false: nothing was met up to the end.
   void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit);
 
   /// Everything unknown again.
-  void clear();
+  void clear() { tree_.clear(); }
 
   const octomap::OcTree& tree() const { return tree_; }
 
  private:
+  /// Access to the root, which OctoMap creates only through a point.
+  class Tree : public octomap::OcTree {
+   public:
+    using octomap::OcTree::OcTree;
+    octomap::OcTreeNode* makeRoot();
+  };
+  struct Cube;
+  struct CellPoints {
+    int matched = 0, filled = 0;
+  };
+  using CellCounts = std::unordered_map<octomap::OcTreeKey, CellPoints, octomap::OcTreeKey::KeyHash>;
+  enum class Sight { Free, Nothing, Mixed };
+
+  void measureRays(const DepthImages& depth);
+  void countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C, int CellPoints::*counter);
+  void orientCubes(const Eigen::Isometry3f& T_C_M);
+  bool visit(const Cube& cube);
+  Sight look(const Cube& cube) const;
+  bool isHit(const Cube& cube) const;
+  octomap::OcTreeNode* materialise(unsigned depth, bool& created);
+  void addToPath(unsigned depth, float log_odds);
+  void addToSubtree(octomap::OcTreeNode* node, float log_odds);
+
   MapConfig config_;
   StereoGeometry geometry_;
-  octomap::OcTree tree_;
+  Tree tree_;
+  DepthPyramid pyramid_;
+  cv::Mat near_m_, far_m_;  // per pixel: up to where its ray is surely free, and where it ends at most
+  CellCounts points_;
+  std::vector<Eigen::Matrix3f> half_edges_C_;  // per tree depth: columns are the cube's half edges in C
+  std::vector<octomap::OcTreeNode*> path_;     // per tree depth: node of the cube being visited, null while unknown
+  std::vector<unsigned> child_of_path_;        // per tree depth: which child of its parent that node is
+  octomap::KeyRay beam_;
 };
 
 }  // namespace flight_corridor

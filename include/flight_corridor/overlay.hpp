@@ -22,8 +22,8 @@ void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out);
 /// The map from above, the corridor's box in it, seen in the box's frame: forward is up.
 /// Occupied cells dark, free light, unknown grey, of the layer that the box spans.
 /// @param out CV_8UC3 (BGR) of size_px, refilled.
-void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict& verdict, double ahead_m, cv::Size size_px,
-                      cv::Mat& out);
+void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict& verdict, double ahead_m,
+                      cv::Size size_px, cv::Mat& out);
 
 /// BGR of a state: green free, red blocked, amber unknown.
 cv::Scalar colour(State state);

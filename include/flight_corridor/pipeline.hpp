@@ -1,8 +1,7 @@
 #pragma once
 
-#include <optional>
-
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "flight_corridor/beam_footprint.hpp"
 #include "flight_corridor/cloud_builder.hpp"
@@ -35,17 +34,17 @@ struct StageTimes {
 
 /// Fixed poses of the rig.
 struct Rig {
-  std::optional<Eigen::Isometry3d> T_C_L;  ///< LiDAR (beam along +x); without it LiDAR readings are not used.
+  std::optional<Eigen::Isometry3d> T_C_L;          ///< LiDAR (beam along +x); without it LiDAR readings are not used.
   Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Frame of the corridor (x forward).
 };
 
 /// Everything that one stereo pair gave.
 struct Report {
   Verdict verdict;
-  RangeEstimate range;               ///< d_K at the frame's stamp.
-  double range_lidar_m = kNaN;       ///< d_L: newest usable reading not after the frame, within fusion/max_gap_s.
-  double range_stereo_m = kNaN;      ///< D_c: scale-corrected stereo range on the beam.
-  double scale = 1.0;                ///< Depth after / before correction, at D_c (at 4 m without one).
+  RangeEstimate range;           ///< d_K at the frame's stamp.
+  double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the frame, within fusion/max_gap_s.
+  double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
+  double scale = 1.0;            ///< Depth after / before correction, at D_c (at 4 m without one).
   double scale_sigma = kNaN;
   StageTimes times;
 };
@@ -66,7 +65,8 @@ class Pipeline {
   Outcome addRange(const RangeReading& reading);
 
   /// The verdict for one stereo pair.
-  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set, else unused.
+  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set,
+  /// else unused.
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
@@ -88,12 +88,19 @@ class Pipeline {
   const Cloud& cloud();
 
  private:
+  struct LidarMemory {
+    RangeReading reading;
+    Outcome outcome;
+  };
+
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
-  void fuseRange(double stamp_s);
-  void updateMap();
-  void decide(const CorridorOccupancy& occupancy);
-  bool beamEndsInBox() const;
   const Report& refuse(std::uint32_t reasons);
+  void fuseRange(double stamp_s);
+  void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
+  double lidarRange(double stamp_s) const;
+  void updateMap();
+  void decide();
+  std::optional<double> beamEndInBox() const;
 
   Config config_;
   StereoGeometry geometry_;
@@ -106,13 +113,13 @@ class Pipeline {
   OccupancyMap map_;
   Corridor corridor_;
 
-  std::optional<RangeReading> lidar_;  // newest usable one
+  std::optional<LidarMemory> lidar_;  // newest reading
+  cv::Mat left_;
   Disparity disparity_;
   DepthImages depth_;
-  cv::Mat left_;
+  Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Cloud cloud_;
   bool cloud_is_current_ = false;
-  Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Report report_;
   Counters counters_;
 };

@@ -1,23 +1,23 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <deque>
-
-#include <Eigen/Core>
 
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
 
 struct FusionConfig {
-  double acceleration_sigma_mps2 = 3.0;   ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
-  double lidar_variance_m2 = 0.0005798584;///< R of the LiDAR.
-  double stereo_variance_m2 = 0.0;        ///< Constant part of R of the stereo range.
-  double disparity_sigma_px = 0.3;        ///< sigma_d of R_stereo = (Z^2/(fB) sigma_d)^2 + stereo_variance_m2.
-  double gate_sigma = 4.0;                ///< Readings further from the prediction are gated; inf switches it off.
-  double lasting_s = 0.2;                 ///< A sensor gated for so long is in lasting disagreement.
-  double max_gap_s = 0.5;                 ///< Without readings for so long the state is forgotten.
-  double buffer_s = 0.5;                  ///< Readings up to so late are put where they belong.
+  double acceleration_sigma_mps2 = 3.0;     ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
+  double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
+  double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
+  double disparity_sigma_px = 0.3;          ///< sigma_d of R_stereo = (Z^2/(fB) sigma_d)^2 + stereo_variance_m2.
+  double gate_sigma = 4.0;                  ///< Readings further from the prediction are gated; inf switches it off.
+  double lasting_s = 0.2;                   ///< A sensor gated for so long is in lasting disagreement.
+  double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
+  double buffer_s = 0.5;                    ///< Readings up to so late are put where they belong.
 };
 Violations check(const FusionConfig& config);
 
@@ -28,7 +28,7 @@ enum class Outcome : std::uint8_t { Accepted, Gated, Reinitialised, TooLate, Inv
 
 /// d_K and what is known about it.
 struct RangeEstimate {
-  double range_m = kNaN;    ///< d_K along the beam; NaN when neither sensor spoke within fusion/max_gap_s.
+  double range_m = kNaN;  ///< d_K along the beam; NaN when neither sensor spoke within fusion/max_gap_s.
   double sigma_m = kNaN;
   double rate_mps = kNaN;
   bool disagreement = false;    ///< One sensor is lastingly outside the other's gate.
@@ -56,17 +56,18 @@ class RangeFusion {
     Sensor sensor;
     double stamp_s, range_m, variance_m2;
   };
-  struct SensorTrack {           // per-sensor memory that the gate needs
+  struct SensorTrack {  // per-sensor memory that the gate needs
     double accepted_s = -kInfinity;
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
   };
-  struct Filter {                // everything that one reading changes: copying it is remembering it
+  struct Filter {  // everything that one reading changes: copying it is remembering it
     double stamp_s = kNaN;
     Eigen::Vector2d mean = Eigen::Vector2d::Constant(kNaN);
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     std::array<SensorTrack, 2> tracks;
     bool initialised() const { return stamp_s == stamp_s; }
+    double lastAccepted() const { return std::max(tracks[0].accepted_s, tracks[1].accepted_s); }
   };
   struct Step {
     Reading reading;
@@ -76,11 +77,14 @@ class RangeFusion {
 
   Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
+  void remember(SensorTrack& track, const Reading& reading) const;
+  bool isNewSurface(const Filter& filter, const Reading& reading) const;
+  bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
   static void initialise(Filter& filter, double stamp_s, double range_m, double variance_m2);
 
   FusionConfig config_;
-  Filter before_;             // state before the oldest buffered reading
-  std::deque<Step> steps_;    // ordered by stamp
+  Filter before_;           // state before the oldest buffered reading
+  std::deque<Step> steps_;  // ordered by stamp
 };
 
 }  // namespace flight_corridor

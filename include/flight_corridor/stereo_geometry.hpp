@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core/types.hpp>
 
 #include "flight_corridor/types.hpp"
@@ -12,11 +12,14 @@ struct StereoCalibration {
   cv::Size size_px;
   double fx_px = kNaN;
   double fy_px = kNaN;
-  double cx_px = kNaN;        ///< Principal point of the left image; pixel (0,0) has its centre at (0.0, 0.0).
+  double cx_px = kNaN;  ///< Principal point of the left image; pixel (0,0) has its centre at (0.0, 0.0).
   double cy_px = kNaN;
   double cx_right_px = kNaN;  ///< Principal point of the right image; may differ from cx_px.
   double baseline_m = kNaN;   ///< Distance of the optical centres, > 0.
 };
+
+/// T_C_F of a frame F at the camera's place, x forward, y left, z up: what lies ahead along the optical axis.
+Eigen::Isometry3d opticalFromForward();
 
 /// Depth, disparity and points of one rectified pair. The only place that knows f*B/d.
 /// Depth is along the optical z axis of C (left rectified optical frame).
@@ -37,6 +40,13 @@ class StereoGeometry {
   /// sigma_Z = Z^2/(f*B) * sigma_d, first-order propagation of Z = f*B/d.  @return [m].
   double depthSigma(double depth_m, double disparity_sigma_px) const {
     return depth_m * depth_m / focal_baseline_px_m_ * disparity_sigma_px;
+  }
+
+  /// Depth of a surface if its disparity were larger by shift_px: fB/(fB/Z + shift).  @return [m]; +inf where it passes
+  /// 0.
+  double shiftedDepth(double depth_m, double shift_px) const {
+    const double divisor = 1.0 + depth_m * shift_px / focal_baseline_px_m_;
+    return divisor > 0.0 ? depth_m / divisor : kInfinity;
   }
 
   /// What a matcher's u_l - u_r holds too much: cx_l - cx_r [px].

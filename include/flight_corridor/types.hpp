@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
-
-#include <opencv2/core/mat.hpp>
 
 namespace flight_corridor {
 
@@ -16,11 +16,33 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Broken configuration rules as sentences "section/key: rule (value)"; empty when all hold.
 using Violations = std::vector<std::string>;
 
+/// @throws std::invalid_argument with all of them, one a line, unless empty.
+void throwIfBroken(const Violations& broken);
+
+/// Collects the broken rules of one section of the configuration.
+class Rules {
+ public:
+  explicit Rules(std::string section) : section_(std::move(section)) {}
+  void require(bool holds, const std::string& key, const std::string& rule, double value);
+  void require(bool holds, const std::string& key, const std::string& rule, const std::string& value);
+  const Violations& broken() const { return broken_; }
+
+ private:
+  std::string section_;
+  Violations broken_;
+};
+
 /// One rectified stereo pair. The images are shared, not copied.
 struct StereoFrame {
   double stamp_s = kNaN;
   cv::Mat left;   ///< CV_8UC1, rectified, size of the calibration.
   cv::Mat right;  ///< CV_8UC1, rectified, same size and rows as left.
+};
+
+/// Depth along z of C [m], CV_32FC1, NaN = nothing.
+struct DepthImages {
+  cv::Mat matched_m;  ///< From matches alone: the evidence that keeps thin things.
+  cv::Mat filled_m;   ///< Edge-preserving fill: evidence on surfaces with little texture.
 };
 
 /// One reading of the one-dimensional LiDAR, as the driver gave it.
@@ -39,18 +61,18 @@ const char* toString(State state);
 
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
-  kOccupiedCell = 1u << 0,       ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,         ///< BLOCKED: the fused range ends inside the box.
-  kUnobserved = 1u << 2,         ///< UNKNOWN: too much of the observable box has not been seen.
-  kNoData = 1u << 3,             ///< UNKNOWN: no stereo pair, or the newest one is too old.
-  kNoPose = 1u << 4,             ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
-  kBadImage = 1u << 5,           ///< UNKNOWN: empty image, wrong size or unknown encoding.
-  kBadCalibration = 1u << 6,     ///< UNKNOWN: impossible or missing CameraInfo.
-  kNoDisparity = 1u << 7,        ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
-  kDisagreement = 1u << 8,       ///< LiDAR and stereo disagree lastingly; the nearer one rules.
-  kNoLidar = 1u << 9,            ///< Information: no usable LiDAR reading; stereo alone answers.
-  kLidarRejected = 1u << 10,     ///< Information: the newest LiDAR reading was refused or gated.
-  kNoRangeObserved = 1u << 11,   ///< Information: neither sensor gives a range on the beam.
+  kOccupiedCell = 1u << 0,      ///< BLOCKED: an occupied cell intersects the box.
+  kShortRange = 1u << 1,        ///< BLOCKED: the fused range ends inside the box.
+  kUnobserved = 1u << 2,        ///< UNKNOWN: too much of the observable box has not been seen.
+  kNoData = 1u << 3,            ///< UNKNOWN: no stereo pair, or the newest one is too old.
+  kNoPose = 1u << 4,            ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
+  kBadImage = 1u << 5,          ///< UNKNOWN: empty image, wrong size or unknown encoding.
+  kBadCalibration = 1u << 6,    ///< UNKNOWN: impossible or missing CameraInfo.
+  kNoDisparity = 1u << 7,       ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
+  kDisagreement = 1u << 8,      ///< LiDAR and stereo disagree lastingly; the nearer one rules.
+  kNoLidar = 1u << 9,           ///< Information: no usable LiDAR reading; stereo alone answers.
+  kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
+  kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
 };
 
 /// The reasons' names joined by '|', e.g. "OCCUPIED_CELL|SHORT_RANGE"; "" when none.
@@ -60,9 +82,10 @@ std::string describeReasons(std::uint32_t reasons);
 struct Verdict {
   double stamp_s = kNaN;
   State state = State::Unknown;
-  double clear_distance_m = kInfinity;  ///< Along the box's axis to the first occupied cell's near face; +inf when none.
-  double unknown_fraction = 1.0;        ///< Unobserved share of the box's observable volume [0..1].
-  std::uint32_t reasons = 0;            ///< Bit set of Reason.
+  double clear_distance_m =
+      kInfinity;                  ///< Along the box's axis to the first occupied cell's near face; +inf when none.
+  double unknown_fraction = 1.0;  ///< Unobserved share of the box's observable volume [0..1].
+  std::uint32_t reasons = 0;      ///< Bit set of Reason.
 };
 
 }  // namespace flight_corridor

@@ -1,0 +1,150 @@
+#include "flight_corridor/disparity_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <stdexcept>
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
+constexpr int kBelowZero_px = 2;  // disparities searched below zero: far surfaces of a rig with offset
+constexpr float kSmallestDisparity_px = 1.0f / kFixedPoint;  // "as far as can be told"
+
+std::optional<int> matcherMode(const std::string& name) {
+  if (name == "sgbm") return cv::StereoSGBM::MODE_SGBM;
+  if (name == "hh") return cv::StereoSGBM::MODE_HH;
+  if (name == "3way") return cv::StereoSGBM::MODE_SGBM_3WAY;
+  if (name == "hh4") return cv::StereoSGBM::MODE_HH4;
+  return std::nullopt;
+}
+
+/// Even, so that images at half size keep their columns together.
+int evenAbove(int padding_px) { return std::max(0, padding_px + padding_px % 2); }
+
+cv::Ptr<cv::StereoSGBM> makeMatcher(const StereoConfig& config, int min_disparity_px, int num_disparities_px) {
+  const int area = config.block_size_px * config.block_size_px;
+  auto matcher = cv::StereoSGBM::create(min_disparity_px, num_disparities_px, config.block_size_px,
+                                        config.smoothness_small * area, config.smoothness_large * area);
+  matcher->setMode(*matcherMode(config.mode));
+  return matcher;
+}
+
+}  // namespace
+
+Violations check(const StereoConfig& config) {
+  Rules rules("stereo");
+  rules.require(matcherMode(config.mode).has_value(), "mode", "sgbm, hh, 3way or hh4", config.mode);
+  rules.require(
+      config.num_disparities_px > 0 && config.num_disparities_px <= 1024 && config.num_disparities_px % 32 == 0,
+      "num_disparities_px", "a multiple of 32, up to 1024", config.num_disparities_px);
+  rules.require(1 <= config.block_size_px && config.block_size_px <= 21 && config.block_size_px % 2 == 1,
+                "block_size_px", "odd, 1 to 21", config.block_size_px);
+  rules.require(config.smoothness_small > 0, "smoothness_small", "positive", config.smoothness_small);
+  rules.require(config.smoothness_large > config.smoothness_small, "smoothness_large", "above smoothness_small",
+                config.smoothness_large);
+  rules.require(0 <= config.uniqueness_percent && config.uniqueness_percent < 100, "uniqueness_percent", "0 to 99",
+                config.uniqueness_percent);
+  rules.require(config.left_right_max_px >= -1, "left_right_max_px", "-1 (off) or more", config.left_right_max_px);
+  rules.require(config.speckle_window_px >= 0, "speckle_window_px", "not negative", config.speckle_window_px);
+  rules.require(config.speckle_range_px >= 0, "speckle_range_px", "not negative", config.speckle_range_px);
+  rules.require(config.texture_min >= 0.0, "texture_min", "not negative", config.texture_min);
+  rules.require(config.wls_lambda > 0.0, "wls_lambda", "positive", config.wls_lambda);
+  rules.require(config.wls_sigma > 0.0, "wls_sigma", "positive", config.wls_sigma);
+  rules.require(0.0 < config.wls_min_confidence && config.wls_min_confidence <= 1.0, "wls_min_confidence",
+                "above 0, up to 1", config.wls_min_confidence);
+  rules.require(0.0 <= config.min_matched_fraction && config.min_matched_fraction <= 1.0, "min_matched_fraction",
+                "0 to 1", config.min_matched_fraction);
+  return rules.broken();
+}
+
+DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry)
+    : config_(config),
+      geometry_(geometry),
+      min_disparity_px_(static_cast<int>(std::floor(geometry.principalPointDifference())) - kBelowZero_px),
+      pad_left_px_(evenAbove(min_disparity_px_ + config.num_disparities_px)),
+      pad_right_px_(evenAbove(-min_disparity_px_)),
+      image_area_({pad_left_px_, 0}, geometry.size()) {
+  throwIfBroken(check(config));
+  if (geometry.size().width <= config.num_disparities_px) {
+    throw std::invalid_argument("stereo/num_disparities_px: below the image's width");
+  }
+  matcher_ = makeMatcher(config, min_disparity_px_, config.num_disparities_px);
+  matcher_->setUniquenessRatio(config.uniqueness_percent);
+  matcher_->setDisp12MaxDiff(config.left_right_max_px);
+  matcher_->setSpeckleWindowSize(config.speckle_window_px);
+  matcher_->setSpeckleRange(config.speckle_range_px);
+
+  // The filter's factory rewrites its matcher's settings, so it gets one of its own, at half size: it only fills.
+  wls_left_matcher_ =
+      makeMatcher(config, static_cast<int>(std::floor(min_disparity_px_ / 2.0)), config.num_disparities_px / 2);
+  wls_ = cv::ximgproc::createDisparityWLSFilter(wls_left_matcher_);
+  wls_right_matcher_ = cv::ximgproc::createRightMatcher(wls_left_matcher_);
+  wls_->setLambda(config.wls_lambda);
+  wls_->setSigmaColor(config.wls_sigma);
+}
+
+void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
+  pad(frame.left, left_padded_);
+  pad(frame.right, right_padded_);
+  match(frame, out);
+  fill(out);
+}
+
+void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {
+  cv::copyMakeBorder(image, padded, 0, 0, pad_left_px_, pad_right_px_, cv::BORDER_REPLICATE);
+}
+
+void DisparityEstimator::match(const StereoFrame& frame, Disparity& out) {
+  matcher_->compute(left_padded_, right_padded_, left_fixed_);
+
+  // Where nothing varies along the row, every disparity matches.
+  cv::Sobel(frame.left, gradient_, CV_16S, 1, 0, 1, 0.5);
+  cv::convertScaleAbs(gradient_, gradient_);
+  cv::boxFilter(gradient_, texture_, CV_32F, {config_.block_size_px, config_.block_size_px});
+  cv::compare(texture_, config_.texture_min, keep_, cv::CMP_GE);
+  toPixels(left_fixed_(image_area_), keep_, out.matched_px);
+  out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(frame.left.total());
+}
+
+void DisparityEstimator::fill(Disparity& out) {
+  cv::resize(left_padded_, left_half_, {}, 0.5, 0.5, cv::INTER_AREA);
+  cv::resize(right_padded_, right_half_, {}, 0.5, 0.5, cv::INTER_AREA);
+  wls_left_matcher_->compute(left_half_, right_half_, left_fixed_);
+  wls_right_matcher_->compute(right_half_, left_half_, right_fixed_);
+  wls_->filter(left_fixed_, left_padded_, filtered_fixed_, right_fixed_);
+  wls_->getConfidenceMap()(image_area_).convertTo(out.confidence, CV_32F, 1.0 / 255.0);
+  cv::compare(out.confidence, config_.wls_min_confidence, keep_, cv::CMP_GE);
+  toPixels(filtered_fixed_(image_area_), keep_, out.filtered_px);
+}
+
+bool DisparityEstimator::observes(const Eigen::Vector3d& p_C) const {
+  const Eigen::Vector2d pixel = geometry_.project(p_C);
+  const double matcher_px = geometry_.disparity(p_C.z()) + geometry_.principalPointDifference();
+  return geometry_.contains(pixel) && matcher_px <= pixel.x() &&
+         matcher_px < min_disparity_px_ + config_.num_disparities_px - 1;
+}
+
+/// Fixed point to pixels, principal-point difference removed; what is not kept, not matched or not on the right image:
+/// NaN.
+void DisparityEstimator::toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const {
+  disparity_px.create(fixed.size(), CV_32FC1);
+  const float difference = static_cast<float>(geometry_.principalPointDifference());
+  const int unmatched = min_disparity_px_ * kFixedPoint;  // the matcher marks with one below
+  for (int v = 0; v < fixed.rows; ++v) {
+    const auto* in = fixed.ptr<std::int16_t>(v);
+    const auto* kept = keep.ptr<std::uint8_t>(v);
+    auto* out = disparity_px.ptr<float>(v);
+    for (int u = 0; u < fixed.cols; ++u) {
+      const bool valid = kept[u] && in[u] >= unmatched && in[u] <= u * kFixedPoint;
+      const float disparity = static_cast<float>(in[u]) / kFixedPoint - difference;
+      out[u] = valid ? std::max(disparity, kSmallestDisparity_px) : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+}
+
+}  // namespace flight_corridor

@@ -1,0 +1,254 @@
+#include "flight_corridor/occupancy_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this reach behind the camera's optical centre
+
+}  // namespace
+
+/// A cube of the octree, known to it or not.
+struct OccupancyMap::Cube {
+  octomap::OcTreeKey key;    // of its lowest corner's cell
+  unsigned depth;            // 0 = root
+  Eigen::Vector3f centre_C;  // [m]
+};
+
+Violations check(const MapConfig& config) {
+  Rules rules("map");
+  rules.require(0.01 <= config.resolution_m && config.resolution_m <= 1.0, "resolution_m", "0.01 to 1",
+                config.resolution_m);
+  rules.require(config.max_range_m > config.resolution_m && config.max_range_m <= 100.0, "max_range_m",
+                "above resolution_m, up to 100", config.max_range_m);
+  rules.require(0.0 < config.hit_fraction && config.hit_fraction <= 1.0, "hit_fraction", "above 0, up to 1",
+                config.hit_fraction);
+  rules.require(config.min_hit_points >= 1, "min_hit_points", "1 or more", config.min_hit_points);
+  rules.require(config.free_band_px >= 0.0, "free_band_px", "not negative", config.free_band_px);
+  rules.require(0.0 < config.min_ray_fraction && config.min_ray_fraction <= 1.0, "min_ray_fraction", "above 0, up to 1",
+                config.min_ray_fraction);
+  rules.require(config.log_odds_hit > 0.0, "log_odds_hit", "positive", config.log_odds_hit);
+  rules.require(config.log_odds_miss < 0.0, "log_odds_miss", "negative", config.log_odds_miss);
+  rules.require(config.log_odds_min < 0.0 && config.log_odds_min >= -10.0, "log_odds_min", "-10 to below 0",
+                config.log_odds_min);
+  rules.require(config.log_odds_max > 0.0 && config.log_odds_max <= 10.0, "log_odds_max", "above 0, up to 10",
+                config.log_odds_max);
+  rules.require(config.log_odds_hit + config.log_odds_min >= 0.0, "log_odds_hit",
+                "no less than -log_odds_min, so that one hit makes a free cell occupied", config.log_odds_hit);
+  return rules.broken();
+}
+
+octomap::OcTreeNode* OccupancyMap::Tree::makeRoot() {
+  if (!root) {
+    root = new octomap::OcTreeNode();
+    ++tree_size;
+    size_changed = true;
+  }
+  return root;
+}
+
+OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry)
+    : config_(config), geometry_(geometry), tree_((throwIfBroken(check(config)), config.resolution_m)) {
+  tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
+  tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
+  tree_.setProbHit(octomap::probability(config.log_odds_hit));
+  tree_.setProbMiss(octomap::probability(config.log_odds_miss));
+  half_edges_C_.resize(tree_.getTreeDepth() + 1);
+  path_.resize(tree_.getTreeDepth() + 1);
+  child_of_path_.resize(tree_.getTreeDepth() + 1);
+}
+
+void OccupancyMap::insert(const DepthImages& depth, const Eigen::Isometry3d& T_M_C) {
+  measureRays(depth);
+  pyramid_.build(near_m_, far_m_, config_.min_ray_fraction);
+  points_.clear();
+  countPoints(depth.matched_m, T_M_C.cast<float>(), &CellPoints::matched);
+  countPoints(depth.filled_m, T_M_C.cast<float>(), &CellPoints::filled);
+
+  const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
+  orientCubes(T_C_M);
+  path_[0] = tree_.getRoot();
+  visit({octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation()});
+}
+
+/// A ray is free up to the nearer of the two images' surfaces and may end at the farther one.
+void OccupancyMap::measureRays(const DepthImages& depth) {
+  near_m_.create(depth.matched_m.size(), CV_32FC1);
+  far_m_.create(depth.matched_m.size(), CV_32FC1);
+  const float band = static_cast<float>(config_.free_band_px);
+  for (int v = 0; v < near_m_.rows; ++v) {
+    const auto* matched = depth.matched_m.ptr<float>(v);
+    const auto* filled = depth.filled_m.ptr<float>(v);
+    auto* near_row = near_m_.ptr<float>(v);
+    auto* far_row = far_m_.ptr<float>(v);
+    for (int u = 0; u < near_m_.cols; ++u) {
+      near_row[u] = static_cast<float>(geometry_.shiftedDepth(std::fmin(matched[u], filled[u]), band));
+      far_row[u] = static_cast<float>(geometry_.shiftedDepth(std::fmax(matched[u], filled[u]), -band));
+    }
+  }
+}
+
+/// Neighbouring pixels mostly fall into one cell, so that runs of them are looked up once.
+void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C, int CellPoints::*counter) {
+  const StereoCalibration& calibration = geometry_.calibration();
+  const float max_range_m = static_cast<float>(config_.max_range_m);
+  octomap::OcTreeKey run_key;
+  int run = 0;
+  const auto flush = [&] {
+    if (run > 0) points_[run_key].*counter += run;
+    run = 0;
+  };
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const auto* row = depth_m.ptr<float>(v);
+    const float y = static_cast<float>((v - calibration.cy_px) / calibration.fy_px);
+    for (int u = 0; u < depth_m.cols; ++u) {
+      if (!(row[u] <= max_range_m)) continue;
+      const float x = static_cast<float>((u - calibration.cx_px) / calibration.fx_px);
+      const Eigen::Vector3f p_M = T_M_C * (Eigen::Vector3f(x, y, 1.0f) * row[u]);
+      octomap::OcTreeKey key;
+      if (!tree_.coordToKeyChecked(octomap::point3d(p_M.x(), p_M.y(), p_M.z()), key)) continue;
+      if (run == 0 || key != run_key) flush();
+      run_key = key;
+      ++run;
+    }
+  }
+  flush();
+}
+
+void OccupancyMap::orientCubes(const Eigen::Isometry3f& T_C_M) {
+  for (unsigned depth = 0; depth < half_edges_C_.size(); ++depth) {
+    half_edges_C_[depth] = T_C_M.linear() * static_cast<float>(0.5 * tree_.getNodeSize(depth));
+  }
+}
+
+/// Depth-first over the cubes that the camera sees, known to the tree or not; nodes come into being where evidence
+/// falls.
+/// @return whether anything in the cube changed.
+bool OccupancyMap::visit(const Cube& cube) {
+  const unsigned leaf_depth = tree_.getTreeDepth();
+  const Sight sight = look(cube);
+  if (cube.depth == leaf_depth) {
+    const bool hit = sight != Sight::Free && isHit(cube);
+    if (!hit && sight != Sight::Free) return false;
+    addToPath(cube.depth, static_cast<float>(hit ? config_.log_odds_hit : config_.log_odds_miss));
+    return true;
+  }
+  if (sight == Sight::Nothing) return false;
+  if (sight == Sight::Free) {
+    addToPath(cube.depth, static_cast<float>(config_.log_odds_miss));
+    return true;
+  }
+
+  bool changed = false;
+  const auto half_cells = static_cast<octomap::key_type>(1u << (leaf_depth - cube.depth - 1));
+  for (unsigned child = 0; child < 8; ++child) {
+    Cube part{cube.key, cube.depth + 1, cube.centre_C};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const bool upper = child >> axis & 1u;
+      if (upper) part.key[axis] = static_cast<octomap::key_type>(part.key[axis] + half_cells);
+      part.centre_C += (upper ? 1.0f : -1.0f) * half_edges_C_[part.depth].col(axis);
+    }
+    octomap::OcTreeNode* node = path_[cube.depth];
+    path_[part.depth] = node && tree_.nodeChildExists(node, child) ? tree_.getNodeChild(node, child) : nullptr;
+    child_of_path_[part.depth] = child;
+    changed |= visit(part);
+  }
+  if (changed && !tree_.pruneNode(path_[cube.depth])) path_[cube.depth]->updateOccupancyChildren();
+  return changed;
+}
+
+/// What the rays that meet a cube say of it. At leaves a part of the rays is enough.
+OccupancyMap::Sight OccupancyMap::look(const Cube& cube) const {
+  const Eigen::Matrix3f& half = half_edges_C_[cube.depth];
+  const bool leaf = cube.depth == tree_.getTreeDepth();
+  const float half_depth_m = half.row(2).cwiseAbs().sum();
+  const float nearest_m = cube.centre_C.z() - half_depth_m;
+  const float farthest_m = cube.centre_C.z() + half_depth_m;
+  if (farthest_m <= 0.0f || nearest_m > config_.max_range_m) return Sight::Nothing;
+  if (nearest_m < kSmallestDepth_m) return Sight::Mixed;
+
+  const StereoCalibration& calibration = geometry_.calibration();
+  Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f p_C = cube.centre_C + (corner & 1u ? 1.0f : -1.0f) * half.col(0) +
+                                (corner & 2u ? 1.0f : -1.0f) * half.col(1) + (corner & 4u ? 1.0f : -1.0f) * half.col(2);
+    const Eigen::Array2f pixel(
+        static_cast<float>(calibration.fx_px) * p_C.x() / p_C.z() + static_cast<float>(calibration.cx_px),
+        static_cast<float>(calibration.fy_px) * p_C.y() / p_C.z() + static_cast<float>(calibration.cy_px));
+    low = low.min(pixel);
+    high = high.max(pixel);
+  }
+  const Eigen::Array2f last(near_m_.cols - 1, near_m_.rows - 1);
+  if ((high < 0.0f).any() || (low > last).any()) return Sight::Nothing;
+  const Eigen::Array2i first_px = low.max(0.0f).floor().cast<int>(), last_px = high.min(last).ceil().cast<int>();
+  const DepthPyramid::Reach reach =
+      pyramid_.reach({first_px.x(), first_px.y(), last_px.x() - first_px.x() + 1, last_px.y() - first_px.y() + 1});
+  if (nearest_m > reach.farthest_m) return Sight::Nothing;
+
+  const bool whole = (low >= 0.0f).all() && (high <= last).all();
+  const bool seen_past = farthest_m <= std::min(reach.nearest_m, static_cast<float>(config_.max_range_m));
+  const bool rays_enough = reach.tile_fraction >= (leaf ? static_cast<float>(config_.min_ray_fraction) : 1.0f);
+  return whole && seen_past && rays_enough ? Sight::Free : Sight::Mixed;
+}
+
+/// Enough points for a cell at this distance: a full face shows f^2 r^2 / Z^2 of them.
+bool OccupancyMap::isHit(const Cube& cube) const {
+  const auto found = points_.find(cube.key);
+  if (found == points_.end() || !(cube.centre_C.z() > 0.0f)) return false;
+  const StereoCalibration& calibration = geometry_.calibration();
+  const double face_px = calibration.fx_px * calibration.fy_px * std::pow(config_.resolution_m / cube.centre_C.z(), 2);
+  const double enough = std::max<double>(config_.min_hit_points, config_.hit_fraction * face_px);
+  return std::max(found->second.matched, found->second.filled) >= enough;
+}
+
+/// The node of the path at a depth; what is missing of the path comes into being, a pruned parent is taken apart first.
+octomap::OcTreeNode* OccupancyMap::materialise(unsigned depth, bool& created) {
+  created = false;
+  if (path_[depth]) return path_[depth];
+  if (depth == 0) {
+    created = true;
+    return path_[0] = tree_.makeRoot();
+  }
+  bool parent_created;
+  octomap::OcTreeNode* parent = materialise(depth - 1, parent_created);
+  const unsigned child = child_of_path_[depth];
+  if (!parent_created && !tree_.nodeHasChildren(parent)) {
+    tree_.expandNode(parent);
+    return path_[depth] = tree_.getNodeChild(parent, child);
+  }
+  created = true;
+  return path_[depth] = tree_.createNodeChild(parent, child);
+}
+
+void OccupancyMap::addToPath(unsigned depth, float log_odds) {
+  bool created;
+  addToSubtree(materialise(depth, created), log_odds);
+}
+
+/// Unknown parts of a known subtree come into being with the evidence alone.
+void OccupancyMap::addToSubtree(octomap::OcTreeNode* node, float log_odds) {
+  if (!tree_.nodeHasChildren(node)) return tree_.updateNodeLogOdds(node, log_odds);
+  for (unsigned child = 0; child < 8; ++child) {
+    const bool known = tree_.nodeChildExists(node, child);
+    addToSubtree(known ? tree_.getNodeChild(node, child) : tree_.createNodeChild(node, child), log_odds);
+  }
+  if (!tree_.pruneNode(node)) node->updateOccupancyChildren();
+}
+
+void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit) {
+  const auto point = [](const Eigen::Vector3f& p) { return octomap::point3d(p.x(), p.y(), p.z()); };
+  octomap::OcTreeKey end;
+  if (!origin_M.allFinite() || !end_M.allFinite() || !tree_.coordToKeyChecked(point(end_M.cast<float>()), end)) return;
+  beam_.reset();
+  if (!tree_.computeRayKeys(point(origin_M.cast<float>()), point(end_M.cast<float>()), beam_)) return;
+  for (const octomap::OcTreeKey& key : beam_) tree_.updateNode(key, static_cast<float>(config_.log_odds_miss));
+  if (hit) tree_.updateNode(end, static_cast<float>(config_.log_odds_hit));
+}
+
+}  // namespace flight_corridor

@@ -1,0 +1,232 @@
+#include "flight_corridor/pipeline.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
+
+/// Adds the time until the end of its scope. Durations only: no result depends on a clock.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& sum_ms) : sum_ms_(sum_ms) {}
+  Stopwatch(const Stopwatch&) = delete;
+  ~Stopwatch() { sum_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& sum_ms_;
+  Clock::time_point start_ = Clock::now();
+};
+
+void append(Violations& all, const Violations& some) { all.insert(all.end(), some.begin(), some.end()); }
+
+const Config& valid(const Config& config) {
+  throwIfBroken(check(config));
+  return config;
+}
+
+}  // namespace
+
+Violations check(const Config& config) {
+  Violations broken;
+  append(broken, check(config.stereo));
+  append(broken, check(config.lidar));
+  append(broken, check(config.fusion));
+  append(broken, check(config.scale));
+  append(broken, check(config.cloud));
+  append(broken, check(config.map));
+  append(broken, check(config.corridor));
+  Rules rules("map");
+  rules.require(config.map.max_range_m >= config.corridor.length_m + config.corridor.margin_m, "max_range_m",
+                "no less than corridor/length_m + corridor/margin_m", config.map.max_range_m);
+  append(broken, rules.broken());
+  return broken;
+}
+
+Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig)
+    : config_(valid(config)),
+      geometry_(geometry),
+      rig_(rig),
+      disparity_estimator_(config.stereo, geometry),
+      beam_(config.lidar, geometry, rig.T_C_L.value_or(opticalFromForward())),
+      fusion_(config.fusion),
+      scale_(config.scale),
+      cloud_builder_(config.cloud, geometry),
+      map_(config.map, geometry),
+      corridor_(config.corridor) {}
+
+Outcome Pipeline::addRange(const RangeReading& reading) {
+  ++counters_.lidar_readings;
+  Outcome outcome = Outcome::Invalid;
+  const bool in_range = std::max(reading.min_range_m, config_.lidar.min_range_m) <= reading.range_m &&
+                        reading.range_m <= std::min(reading.max_range_m, config_.lidar.max_range_m);
+  if (rig_.T_C_L && in_range) {
+    outcome = fusion_.add(Sensor::Lidar, reading.stamp_s, reading.range_m, config_.fusion.lidar_variance_m2);
+  }
+  counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
+  counters_.lidar_gated += outcome == Outcome::Gated;
+  if (!lidar_ || reading.stamp_s >= lidar_->reading.stamp_s) lidar_ = LidarMemory{reading, outcome};
+  return outcome;
+}
+
+const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
+  report_ = Report();
+  report_.verdict.stamp_s = frame.stamp_s;
+  ++counters_.frames;
+  if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
+  const Stopwatch total(report_.times.total_ms);
+  left_ = frame.left;
+  cloud_is_current_ = false;
+  T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
+  {
+    const Stopwatch stage(report_.times.stereo_ms);
+    disparity_estimator_.estimate(frame, disparity_);
+  }
+  {
+    const Stopwatch stage(report_.times.fusion_ms);
+    fuseRange(frame.stamp_s);
+  }
+  {
+    const Stopwatch stage(report_.times.cloud_ms);
+    cloud_builder_.depth(disparity_, scale_, depth_);
+  }
+  {
+    const Stopwatch stage(report_.times.map_ms);
+    updateMap();
+  }
+  {
+    const Stopwatch stage(report_.times.corridor_ms);
+    decide();
+  }
+  return report_;
+}
+
+std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const {
+  const auto fits = [&](const cv::Mat& image) { return image.type() == CV_8UC1 && image.size() == geometry_.size(); };
+  std::uint32_t reasons = 0;
+  if (!std::isfinite(frame.stamp_s)) reasons |= kNoData;
+  if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
+  const bool has_pose = T_W_C && T_W_C->matrix().allFinite();
+  if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
+  return reasons;
+}
+
+const Report& Pipeline::refuse(std::uint32_t reasons) {
+  ++counters_.frames_refused;
+  report_.verdict.reasons = reasons;
+  return report_;
+}
+
+/// D_c from the beam's footprint, d_K from both sensors, and what the two teach about the rig's scale.
+void Pipeline::fuseRange(double stamp_s) {
+  const RangeEstimate expected = fusion_.at(stamp_s);
+  const double beam_width_rad = lidar_ ? lidar_->reading.field_of_view_rad : 0.0;
+  const auto stereo = beam_.read(disparity_.matched_px, expected.range_m, beam_width_rad);
+  double reference_px = geometry_.disparity(kReferenceDepth_m);
+  if (stereo) {
+    reference_px = stereo->disparity_px;
+    learnScale(stamp_s, *stereo, expected);
+    report_.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
+    const double sigma_m =
+        geometry_.depthSigma(geometry_.depth(stereo->disparity_px), config_.fusion.disparity_sigma_px);
+    const double spread_m = geometry_.depthSigma(geometry_.depth(stereo->disparity_px), stereo->disparity_sigma_px);
+    const double variance_m2 = config_.fusion.stereo_variance_m2 + sigma_m * sigma_m + spread_m * spread_m;
+    counters_.stereo_gated +=
+        fusion_.add(Sensor::Stereo, stamp_s, report_.range_stereo_m, variance_m2) == Outcome::Gated;
+  }
+  report_.range = fusion_.at(stamp_s);
+  report_.range_lidar_m = lidarRange(stamp_s);
+  report_.scale = scale_.scale(reference_px);
+  report_.scale_sigma = scale_.sigma(reference_px);
+}
+
+/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn.
+void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
+  if (!std::isfinite(lidarRange(stamp_s)) || expected.disagreement || !std::isfinite(expected.range_m)) return;
+  const double depth_m = beam_.depth(expected.range_m);
+  const double expected_px = geometry_.disparity(depth_m);
+  const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;
+  const double measured_sigma_px = std::hypot(config_.fusion.disparity_sigma_px, stereo.disparity_sigma_px);
+  scale_.update(stamp_s, stereo.disparity_px, expected_px, std::hypot(expected_sigma_px, measured_sigma_px));
+}
+
+/// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
+double Pipeline::lidarRange(double stamp_s) const {
+  const bool usable = lidar_ && (lidar_->outcome == Outcome::Accepted || lidar_->outcome == Outcome::Reinitialised) &&
+                      std::abs(stamp_s - lidar_->reading.stamp_s) <= config_.fusion.max_gap_s;
+  return usable ? lidar_->reading.range_m : kNaN;
+}
+
+void Pipeline::updateMap() {
+  if (config_.map.frame_id.empty()) map_.clear();
+  map_.insert(depth_, T_M_C_);
+  if (const double range_m = report_.range.range_m;
+      std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
+    map_.insertBeam(T_M_C_ * beam_.point(0.0), T_M_C_ * beam_.point(range_m), true);
+  }
+}
+
+void Pipeline::decide() {
+  Verdict& verdict = report_.verdict;
+  const Box box = this->box();
+  const Eigen::Isometry3d T_C_M = T_M_C_.inverse();
+  const CorridorOccupancy occupancy = corridor_.inspect(
+      map_.tree(), box, [&](const Eigen::Vector3d& p_M) { return disparity_estimator_.observes(T_C_M * p_M); });
+  verdict.clear_distance_m = occupancy.clear_distance_m;
+  verdict.unknown_fraction = occupancy.unknown_fraction;
+
+  const std::optional<double> beam_end_m = beamEndInBox();
+  if (beam_end_m) verdict.clear_distance_m = std::min(verdict.clear_distance_m, *beam_end_m);
+  if (std::isfinite(occupancy.clear_distance_m)) verdict.reasons |= kOccupiedCell;
+  if (beam_end_m) verdict.reasons |= kShortRange;
+  if (disparity_.matched_fraction < config_.stereo.min_matched_fraction) verdict.reasons |= kNoDisparity;
+  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
+  if (report_.range.disagreement) verdict.reasons |= kDisagreement;
+  if (!std::isfinite(report_.range_lidar_m)) verdict.reasons |= kNoLidar;
+  if (lidar_ && lidar_->outcome != Outcome::Accepted && lidar_->outcome != Outcome::Reinitialised)
+    verdict.reasons |= kLidarRejected;
+  if (!std::isfinite(report_.range.range_m)) verdict.reasons |= kNoRangeObserved;
+
+  constexpr std::uint32_t kBlocking = kOccupiedCell | kShortRange;
+  constexpr std::uint32_t kHiding = kNoDisparity | kUnobserved;
+  if (verdict.reasons & kBlocking) {
+    verdict.state = State::Blocked;
+  } else {
+    verdict.state = verdict.reasons & kHiding ? State::Unknown : State::Free;
+  }
+}
+
+/// How far along the box's axis the beam ends, when that is inside the box: d_K < D_min of the paper, carried to the
+/// volume. While the sensors disagree the nearer one rules.
+std::optional<double> Pipeline::beamEndInBox() const {
+  double range_m = report_.range.range_m;
+  if (report_.range.disagreement) range_m = std::fmin(range_m, report_.range.disagreeing_m);
+  if (!std::isfinite(range_m)) return std::nullopt;
+  const Box box = boxInCamera();
+  const Eigen::Vector3d end_F = box.T_M_F.inverse() * beam_.point(range_m);
+  const bool inside = 0.0 <= end_F.x() && end_F.x() < box.size_m.x() && 2.0 * std::abs(end_F.y()) <= box.size_m.y() &&
+                      2.0 * std::abs(end_F.z()) <= box.size_m.z();
+  return inside ? std::optional<double>(end_F.x()) : std::nullopt;
+}
+
+const Cloud& Pipeline::cloud() {
+  if (!cloud_is_current_ && !left_.empty()) {
+    cloud_builder_.cloud(depth_.matched_m, left_, config_.map.resolution_m, cloud_);
+    cloud_is_current_ = true;
+  }
+  return cloud_;
+}
+
+void Pipeline::reset() {
+  fusion_.reset();
+  scale_.reset();
+  map_.clear();
+  lidar_.reset();
+}
+
+}  // namespace flight_corridor

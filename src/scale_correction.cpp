@@ -1,0 +1,67 @@
+#include "flight_corridor/scale_correction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flight_corridor {
+
+Violations check(const ScaleConfig& config) {
+  Rules rules("scale");
+  rules.require(0.0 <= config.max_correction && config.max_correction < 0.5, "max_correction", "0 to below 0.5",
+                config.max_correction);
+  rules.require(config.prior_sigma > 0.0, "prior_sigma", "positive", config.prior_sigma);
+  rules.require(config.offset_prior_sigma_px > 0.0, "offset_prior_sigma_px", "positive", config.offset_prior_sigma_px);
+  rules.require(config.drift_sigma_per_sqrt_s >= 0.0, "drift_sigma_per_sqrt_s", "not negative",
+                config.drift_sigma_per_sqrt_s);
+  rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);
+  return rules.broken();
+}
+
+ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
+  throwIfBroken(check(config));
+  reset();
+}
+
+void ScaleCorrection::reset() {
+  stamp_s_ = kNaN;
+  mean_ = {1.0, 0.0};
+  covariance_ =
+      Eigen::Vector2d(std::pow(config_.prior_sigma, 2), std::pow(config_.offset_prior_sigma_px, 2)).asDiagonal();
+}
+
+/// Measurement h = [d, 1], innovation y = d_expected - h [a b]^T, Kalman update with a slow random walk of a.
+bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double sigma_px) {
+  const bool usable = config_.enabled && measured_px > 0.0 && expected_px > 0.0 && sigma_px > 0.0 &&
+                      std::isfinite(measured_px + expected_px + sigma_px);
+  if (!usable) return false;
+  const double ratio = measured_px / expected_px;
+  if (!(1.0 - config_.max_correction <= ratio && ratio <= 1.0 + config_.max_correction)) return false;
+
+  const Eigen::Vector2d h(measured_px, 1.0);
+  const double innovation = expected_px - h.dot(mean_);
+  const double variance = h.dot(covariance_ * h) + sigma_px * sigma_px;
+  if (!(innovation * innovation <= config_.gate_sigma * config_.gate_sigma * variance)) return false;
+
+  if (stamp_s > stamp_s_) covariance_(0, 0) += std::pow(config_.drift_sigma_per_sqrt_s, 2) * (stamp_s - stamp_s_);
+  stamp_s_ = stamp_s;
+  const Eigen::Vector2d gain = covariance_ * h / variance;
+  mean_ += gain * innovation;
+  covariance_ -= gain * (h.transpose() * covariance_);
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose().eval());
+  return true;
+}
+
+double ScaleCorrection::correct(double disparity_px) const {
+  if (!(disparity_px > 0.0)) return kNaN;
+  const double corrected = mean_[0] * disparity_px + mean_[1];
+  return std::clamp(corrected, disparity_px / (1.0 + config_.max_correction),
+                    disparity_px / (1.0 - config_.max_correction));
+}
+
+/// First order: s = d / (a d + b), so sigma_s = s^2 sigma(a d + b) / d.
+double ScaleCorrection::sigma(double disparity_px) const {
+  const Eigen::Vector2d h(disparity_px, 1.0);
+  return std::pow(scale(disparity_px), 2) * std::sqrt(h.dot(covariance_ * h)) / disparity_px;
+}
+
+}  // namespace flight_corridor

@@ -1,0 +1,60 @@
+#include "flight_corridor/stereo_geometry.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace flight_corridor {
+
+namespace {
+
+void requirePositive(double value, const char* name, std::string& faults) {
+  if (!(value > 0.0 && std::isfinite(value))) {
+    faults += " " + std::string(name) + " must be positive (" + std::to_string(value) + ");";
+  }
+}
+
+void requireFinite(double value, const char* name, std::string& faults) {
+  if (!std::isfinite(value)) faults += " " + std::string(name) + " must be finite;";
+}
+
+std::string faultsOf(const StereoCalibration& calibration) {
+  std::string faults;
+  requirePositive(calibration.size_px.width, "width", faults);
+  requirePositive(calibration.size_px.height, "height", faults);
+  requirePositive(calibration.fx_px, "fx", faults);
+  requirePositive(calibration.fy_px, "fy", faults);
+  requirePositive(calibration.baseline_m, "baseline", faults);
+  requireFinite(calibration.cx_px, "cx", faults);
+  requireFinite(calibration.cy_px, "cy", faults);
+  requireFinite(calibration.cx_right_px, "right cx", faults);
+  return faults;
+}
+
+}  // namespace
+
+Eigen::Isometry3d opticalFromForward() {
+  Eigen::Isometry3d T_C_F = Eigen::Isometry3d::Identity();
+  T_C_F.linear() << 0, -1, 0,  // x right   = -left
+      0, 0, -1,                // y down    = -up
+      1, 0, 0;                 // z forward = forward
+  return T_C_F;
+}
+
+StereoGeometry::StereoGeometry(const StereoCalibration& calibration)
+    : calibration_(calibration), focal_baseline_px_m_(calibration.fx_px * calibration.baseline_m) {
+  const std::string faults = faultsOf(calibration);
+  if (!faults.empty()) throw std::invalid_argument("impossible stereo calibration:" + faults);
+}
+
+Eigen::Vector2d StereoGeometry::project(const Eigen::Vector3d& p_C) const {
+  if (!(p_C.z() > 0.0)) return {kNaN, kNaN};
+  return {calibration_.fx_px * p_C.x() / p_C.z() + calibration_.cx_px,
+          calibration_.fy_px * p_C.y() / p_C.z() + calibration_.cy_px};
+}
+
+bool StereoGeometry::contains(const Eigen::Vector2d& pixel) const {
+  return pixel.x() >= 0.0 && pixel.x() <= calibration_.size_px.width - 1 && pixel.y() >= 0.0 &&
+         pixel.y() <= calibration_.size_px.height - 1;
+}
+
+}  // namespace flight_corridor
