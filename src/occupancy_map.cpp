@@ -62,6 +62,12 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
   half_edges_C_.resize(tree_.getTreeDepth() + 1);
   path_.resize(tree_.getTreeDepth() + 1);
   child_of_path_.resize(tree_.getTreeDepth() + 1);
+  const Eigen::Vector3d corners_C[] = {geometry_.point(0, 0, 1), geometry_.point(geometry_.size().width - 1, 0, 1),
+                                       geometry_.point(geometry_.size().width - 1, geometry_.size().height - 1, 1),
+                                       geometry_.point(0, geometry_.size().height - 1, 1)};
+  for (int side = 0; side < 4; ++side) {
+    view_sides_C_[side] = corners_C[(side + 1) % 4].cross(corners_C[side]).cast<float>();
+  }
 }
 
 void OccupancyMap::insert(const DepthImages& depth, const Eigen::Isometry3d& T_M_C) {
@@ -171,6 +177,9 @@ OccupancyMap::Sight OccupancyMap::look(const Cube& cube) const {
   const float nearest_m = cube.centre_C.z() - half_depth_m;
   const float farthest_m = cube.centre_C.z() + half_depth_m;
   if (farthest_m <= 0.0f || nearest_m > config_.max_range_m) return Sight::Nothing;
+  for (const Eigen::Vector3f& normal_C : view_sides_C_) {
+    if (normal_C.dot(cube.centre_C) > (half.transpose() * normal_C).lpNorm<1>()) return Sight::Nothing;
+  }
   if (nearest_m < kSmallestDepth_m) return Sight::Mixed;
 
   const StereoCalibration& calibration = geometry_.calibration();

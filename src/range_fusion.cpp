@@ -50,8 +50,8 @@ Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double v
     return std::make_pair(a.stamp_s, a.sensor) < std::make_pair(b.reading.stamp_s, b.reading.sensor);
   };
   const auto place = std::upper_bound(steps_.begin(), steps_.end(), reading, later);
-  const auto inserted =
-      static_cast<std::size_t>(steps_.insert(place, {reading, {}, Outcome::Accepted}) - steps_.begin());
+  const auto inserted = static_cast<std::size_t>(place - steps_.begin());
+  steps_.insert(place, {reading, {}, Outcome::Accepted});
   for (std::size_t i = inserted; i < steps_.size(); ++i) {
     steps_[i].after = i == 0 ? before_ : steps_[i - 1].after;
     steps_[i].outcome = update(steps_[i].after, steps_[i].reading);
@@ -101,7 +101,7 @@ RangeFusion::Filter RangeFusion::predicted(const Filter& filter, double stamp_s)
 
 void RangeFusion::initialise(Filter& filter, double stamp_s, double range_m, double variance_m2) {
   filter.stamp_s = stamp_s;
-  filter.mean = {range_m, filter.initialised() ? filter.mean[1] : 0.0};
+  filter.mean[0] = range_m;  // the rate is mostly our own: it stays
   filter.covariance << variance_m2, 0, 0, squared(kFirstRateSigma_mps);
 }
 

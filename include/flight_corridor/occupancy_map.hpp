@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <unordered_map>
@@ -79,9 +80,10 @@ class OccupancyMap {
   DepthPyramid pyramid_;
   cv::Mat near_m_, far_m_;  // per pixel: up to where its ray is surely free, and where it ends at most
   CellCounts points_;
-  std::vector<Eigen::Matrix3f> half_edges_C_;  // per tree depth: columns are the cube's half edges in C
-  std::vector<octomap::OcTreeNode*> path_;     // per tree depth: node of the cube being visited, null while unknown
-  std::vector<unsigned> child_of_path_;        // per tree depth: which child of its parent that node is
+  std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
+  std::vector<Eigen::Matrix3f> half_edges_C_;    // per tree depth: columns are the cube's half edges in C
+  std::vector<octomap::OcTreeNode*> path_;       // per tree depth: node of the cube being visited, null while unknown
+  std::vector<unsigned> child_of_path_;          // per tree depth: which child of its parent that node is
   octomap::KeyRay beam_;
 };
 

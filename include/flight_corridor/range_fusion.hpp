@@ -63,7 +63,7 @@ class RangeFusion {
   };
   struct Filter {  // everything that one reading changes: copying it is remembering it
     double stamp_s = kNaN;
-    Eigen::Vector2d mean = Eigen::Vector2d::Constant(kNaN);
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     std::array<SensorTrack, 2> tracks;
     bool initialised() const { return stamp_s == stamp_s; }

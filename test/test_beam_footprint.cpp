@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "flight_corridor/beam_footprint.hpp"
+#include "support/calibrations.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::vgaCalibration());
+
+Eigen::Isometry3d besideTheCamera() {
+  Eigen::Isometry3d T_C_L = opticalFromForward();
+  T_C_L.translation() = Eigen::Vector3d(0.05, 0.06, -0.10);
+  return T_C_L;
+}
+
+cv::Mat wall(double depth_m) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kGeometry.disparity(depth_m))); }
+
+TEST(BeamFootprint, ThePixelMovesWithRangeTowardsTheVanishingPoint) {
+  const BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  const Eigen::Vector2d principal(319.5, 239.5);
+  const double near = (beam.at(1.0, 0.02)->centre_px - principal).norm();
+  const double far = (beam.at(8.0, 0.02)->centre_px - principal).norm();
+  EXPECT_GT(near, 8 * far);  // parallel beam: offset shrinks as 1/Z, Z = range - 0.1
+}
+
+TEST(BeamFootprint, DepthUndoesRange) {
+  Eigen::Isometry3d T_C_L = besideTheCamera();
+  T_C_L.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
+  const BeamFootprint beam(LidarConfig(), kGeometry, T_C_L);
+  for (const double range : {0.5, 2.0, 7.0}) EXPECT_NEAR(beam.range(beam.depth(range)), range, 1e-12);
+}
+
+TEST(BeamFootprint, ReadsTheWallsRangeFromAnyGuess) {
+  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  for (const double guess : {kNaN, 0.6, 3.1, 50.0}) {
+    const auto reading = beam.read(wall(3.0), guess, 0.04);
+    ASSERT_TRUE(reading) << guess;
+    EXPECT_NEAR(reading->range_m, 3.1, 1e-4);  // depth 3 m seen from 0.1 m behind; CV_32F
+    EXPECT_NEAR(reading->disparity_sigma_px, 0.0, 1e-6);
+  }
+}
+
+TEST(BeamFootprint, AMedianWithstandsOutliers) {
+  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  cv::Mat disparity = wall(3.0);
+  for (int v = 0; v < disparity.rows; v += 3) disparity.row(v).setTo(100.0);
+  const auto reading = beam.read(disparity, 3.0, 0.1);
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->range_m, 3.1, 1e-4);
+}
+
+TEST(BeamFootprint, WithoutEnoughMatchesThereIsNoReading) {
+  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  EXPECT_FALSE(beam.read(cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), 3.0, 0.04));
+}
+
+TEST(BeamFootprint, TwoSurfacesWidenTheSpread) {
+  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
+  cv::Mat disparity = wall(6.0);
+  disparity.colRange(0, 321).setTo(kGeometry.disparity(3.0));
+  const auto reading = beam.read(disparity, 3.0, 0.1);
+  ASSERT_TRUE(reading);
+  disparity = wall(3.0);
+  EXPECT_GE(reading->disparity_sigma_px, beam.read(disparity, 3.0, 0.1)->disparity_sigma_px);
+}
+
+TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
+  Eigen::Isometry3d T_C_L = opticalFromForward();
+  T_C_L.translation().x() = 1.0;  // metres to the right: the beam enters the view only far ahead
+  const BeamFootprint beam(LidarConfig(), kGeometry, T_C_L);
+  EXPECT_FALSE(beam.at(0.5, 0.02));
+  EXPECT_TRUE(beam.at(5.0, 0.02));
+}
+
+TEST(BeamFootprint, RefusesABeamThatLooksElsewhere) {
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace flight_corridor

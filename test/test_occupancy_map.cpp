@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "flight_corridor/occupancy_map.hpp"
+#include "support/calibrations.hpp"
+#include "support/wall_scene.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using test_support::wallDepth;
+const StereoGeometry kGeometry(test_support::smallCalibration());
+
+enum class Cell { Unknown, Free, Occupied };
+
+Cell cellAt(const OccupancyMap& map, const Eigen::Vector3d& p_M) {
+  const octomap::OcTreeNode* node = map.tree().search(p_M.x(), p_M.y(), p_M.z());
+  if (!node) return Cell::Unknown;
+  return map.tree().isNodeOccupied(node) ? Cell::Occupied : Cell::Free;
+}
+
+TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
+  for (const double x : {-2.0, 0.0, 1.5}) {
+    EXPECT_EQ(cellAt(map, {x, 0.3, 4.05}), Cell::Occupied) << x;
+    EXPECT_EQ(cellAt(map, {x, 0.3, 3.2}), Cell::Free) << x;
+    EXPECT_EQ(cellAt(map, {x, 0.3, 4.4}), Cell::Unknown) << x;
+  }
+  EXPECT_EQ(cellAt(map, {4.0, 0.0, 2.0}), Cell::Unknown);   // outside the view
+  EXPECT_EQ(cellAt(map, {0.0, 0.0, -1.0}), Cell::Unknown);  // behind the camera
+}
+
+TEST(OccupancyMap, PixelsWithoutDepthCastNoRay) {
+  DepthImages depth = wallDepth(kGeometry.size(), 6.0);
+  depth.matched_m.colRange(160, 320).setTo(kNaN);
+  depth.filled_m.colRange(160, 320).setTo(kNaN);
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(depth, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(cellAt(map, {-1.0, 0.0, 3.0}), Cell::Free);
+  EXPECT_EQ(cellAt(map, {1.0, 0.0, 3.0}), Cell::Unknown);
+}
+
+TEST(OccupancyMap, WhatEitherImageSeesIsThere) {
+  DepthImages depth = wallDepth(kGeometry.size(), 6.0);
+  depth.matched_m(cv::Rect(155, 0, 10, 240)).setTo(3.05);  // a pole that the fill smeared away
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(depth, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.05}), Cell::Occupied);
+  EXPECT_EQ(cellAt(map, {1.05, 0.05, 3.05}), Cell::Free);
+}
+
+TEST(OccupancyMap, ASpeckleIsNoHitWhereAFaceWouldShowManyPoints) {
+  DepthImages depth = wallDepth(kGeometry.size(), 6.0);
+  depth.matched_m(cv::Rect(160, 120, 8, 8)).setTo(0.45);  // a full face there shows 39 x 39 pixels
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(depth, Eigen::Isometry3d::Identity());
+  EXPECT_NE(cellAt(map, kGeometry.point(164, 124, 0.45)), Cell::Occupied);
+}
+
+/// Every pixel's ray, cell by cell: what the depth image says of each cell, without pyramids.
+void castRays(const DepthImages& depth, const Eigen::Isometry3d& T_M_C, octomap::OcTree& tree) {
+  octomap::KeySet hits, misses;
+  octomap::KeyRay ray;
+  const auto point = [](const Eigen::Vector3d& p) {
+    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+  };
+  for (int v = 0; v < depth.matched_m.rows; ++v) {
+    for (int u = 0; u < depth.matched_m.cols; ++u) {
+      const float z = depth.matched_m.at<float>(v, u);
+      if (!(z > 0.0f)) continue;
+      const octomap::point3d end = point(T_M_C * kGeometry.point(u, v, std::min(z, 8.0f)));
+      tree.computeRayKeys(point(T_M_C.translation()), end, ray);
+      for (const octomap::OcTreeKey& key : ray) misses.insert(key);
+      if (z <= 8.0f) hits.insert(tree.coordToKey(end));
+    }
+  }
+  for (const octomap::OcTreeKey& key : misses) {
+    if (hits.count(key) == 0) tree.setNodeValue(key, -1.0f, true);
+  }
+  for (const octomap::OcTreeKey& key : hits) tree.setNodeValue(key, 1.0f, true);
+}
+
+/// Tilted planes and balls at random places, seen along their pixels.
+DepthImages randomDepth(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  DepthImages depth = wallDepth(kGeometry.size(), 5.0 + unit(random));
+  const Eigen::Vector3d slope(0.3 * unit(random), 0.3 * unit(random), 1.0);
+  const Eigen::Vector3d ball(unit(random), 0.7 * unit(random), 2.5 + unit(random));
+  for (int v = 0; v < depth.matched_m.rows; ++v) {
+    for (int u = 0; u < depth.matched_m.cols; ++u) {
+      const Eigen::Vector3d ray = kGeometry.point(u, v, 1.0);
+      double z = 5.0 / slope.dot(ray);
+      const double b = ray.dot(ball), c = ball.squaredNorm() - 0.25, square = ray.squaredNorm();
+      if (b * b > square * c) z = std::min(z, (b - std::sqrt(b * b - square * c)) / square);
+      depth.matched_m.at<float>(v, u) = static_cast<float>(z);
+    }
+  }
+  depth.matched_m.copyTo(depth.filled_m);
+  return depth;
+}
+
+TEST(OccupancyMap, AgreesWithRaysCastOneByOne) {
+  std::mt19937 random(33);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int trial = 0; trial < 4; ++trial) {
+    const DepthImages depth = randomDepth(random);
+    Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
+    T_M_C.translation() = 3.0 * Eigen::Vector3d(unit(random), unit(random), unit(random));
+    T_M_C.rotate(Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized());
+    OccupancyMap map(MapConfig(), kGeometry);
+    map.insert(depth, T_M_C);
+    octomap::OcTree oracle(MapConfig().resolution_m);
+    castRays(depth, T_M_C, oracle);
+
+    int cells = 0, occupied_both = 0, occupied_ours = 0, free_ours = 0, free_wrong = 0, free_oracle = 0;
+    for (auto leaf = oracle.begin_leafs(); leaf != oracle.end_leafs(); ++leaf) {
+      const Eigen::Vector3d p_M(leaf.getX(), leaf.getY(), leaf.getZ());
+      const Cell cell = cellAt(map, p_M);
+      ++cells;
+      if (oracle.isNodeOccupied(*leaf)) {
+        free_wrong += cell == Cell::Free;
+        continue;
+      }
+      ++free_oracle;
+      free_ours += cell == Cell::Free;
+    }
+    for (auto leaf = map.tree().begin_leafs(); leaf != map.tree().end_leafs(); ++leaf) {
+      if (!map.tree().isNodeOccupied(*leaf)) continue;
+      ++occupied_ours;
+      const octomap::OcTreeNode* node = oracle.search(leaf.getKey());
+      occupied_both += node && oracle.isNodeOccupied(node);
+    }
+    EXPECT_EQ(free_wrong, 0) << "trial " << trial << ": cells that hold a surface called free, of " << cells;
+    EXPECT_EQ(occupied_both, occupied_ours) << "trial " << trial << ": hits without a ray's end in them";
+    EXPECT_GT(occupied_ours, 100) << "trial " << trial;
+    // The band before surfaces (0.5 px, 0.3 m at 4.5 m) and cells at the image's border stay unknown here.
+    EXPECT_GT(free_ours, 0.75 * free_oracle) << "trial " << trial;
+  }
+}
+
+TEST(OccupancyMap, AVanishedObstacleIsFreedAndANewOneSeenAtOnce) {
+  MapConfig config;
+  config.frame_id = "odom";
+  OccupancyMap map(config, kGeometry);
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d place(0.05, 0.05, 3.05);
+  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kGeometry.size(), 6.0), here);
+  EXPECT_EQ(cellAt(map, place), Cell::Free);
+  map.insert(wallDepth(kGeometry.size(), 3.05), here);
+  EXPECT_EQ(cellAt(map, place), Cell::Occupied);
+  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kGeometry.size(), 3.05), here);
+  int frames = 0;
+  while (cellAt(map, place) == Cell::Occupied && frames < 100) {
+    map.insert(wallDepth(kGeometry.size(), 6.0), here);
+    ++frames;
+  }
+  EXPECT_LE(frames, 15);  // half a second of 30 Hz
+}
+
+TEST(OccupancyMap, InnerNodesTellOfTheirChildren) {
+  OccupancyMap map(MapConfig(), kGeometry);
+  std::mt19937 random(4);
+  for (int i = 0; i < 3; ++i) map.insert(randomDepth(random), Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0, 0)));
+  octomap::OcTree rebuilt(map.tree());
+  rebuilt.updateInnerOccupancy();
+  rebuilt.prune();
+  EXPECT_EQ(map.tree(), rebuilt);
+  EXPECT_EQ(map.tree().size(), map.tree().calcNumNodes());
+}
+
+TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insertBeam({0.05, 0.05, 0.05}, {0.05, 0.05, 3.05}, true);
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.05}), Cell::Occupied);
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.55}), Cell::Free);
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.25}), Cell::Unknown);
+  map.insertBeam({0, 0, 0}, {kNaN, 0, 1}, true);  // no harm
+}
+
+TEST(OccupancyMap, ClearForgetsEverything) {
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(wallDepth(kGeometry.size(), 3.0), Eigen::Isometry3d::Identity());
+  map.clear();
+  EXPECT_EQ(map.tree().size(), 0u);
+  EXPECT_EQ(cellAt(map, {0, 0, 2}), Cell::Unknown);
+}
+
+}  // namespace
+}  // namespace flight_corridor

@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "flight_corridor/pipeline.hpp"
+#include "sim/simulation.hpp"
+#include "support/calibrations.hpp"
+#include "support/wall_scene.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using test_support::wallFrame;
+const StereoGeometry kGeometry(test_support::smallCalibration());  // f*B = 21 px m
+
+Rig rigWithLidar() {
+  Rig rig;
+  rig.T_C_L = opticalFromForward();
+  return rig;
+}
+
+RangeReading reading(double stamp_s, double range_m) { return {stamp_s, range_m, 0.2, 100.0, 0.03}; }
+
+TEST(Pipeline, AWallWithinTheCorridorBlocksIt) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  pipeline.addRange(reading(1.0, 3.0));
+  const Report& report = pipeline.process(wallFrame(kGeometry, 7, 1.0));  // 3 m
+  EXPECT_EQ(report.verdict.state, State::Blocked);
+  EXPECT_TRUE(report.verdict.reasons & kOccupiedCell);
+  EXPECT_TRUE(report.verdict.reasons & kShortRange);
+  EXPECT_NEAR(report.verdict.clear_distance_m, 3.0, 0.1 + 0.03 * 3.0);  // one voxel + 3 %
+  EXPECT_NEAR(report.range.range_m, 3.0, 0.05);
+  EXPECT_EQ(report.verdict.stamp_s, 1.0);
+}
+
+TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  pipeline.addRange(reading(1.0, 7.0));
+  const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));  // 7 m
+  EXPECT_EQ(report.verdict.state, State::Free)
+      << describeReasons(report.verdict.reasons) << " " << report.verdict.unknown_fraction;
+  EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
+}
+
+TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  StereoFrame frame;
+  frame.stamp_s = 1.0;
+  frame.left = frame.right = cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(128));
+  const Report& blank = pipeline.process(frame);
+  EXPECT_EQ(blank.verdict.state, State::Unknown);
+  EXPECT_TRUE(blank.verdict.reasons & kNoDisparity);
+  EXPECT_TRUE(blank.verdict.reasons & kNoRangeObserved);
+  pipeline.addRange(reading(1.05, 2.0));
+  frame.stamp_s = 1.06;
+  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Blocked);
+  frame.stamp_s = 2.0;  // the reading is old by now
+  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Unknown);
+}
+
+TEST(Pipeline, ALidarStuckFarAwayCannotFreeABlockedCorridor) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  for (int i = 0; i < 30; ++i) {
+    const double stamp = 1.0 + 0.05 * i;
+    pipeline.addRange(reading(stamp, 12.0));
+    const Report& report = pipeline.process(wallFrame(kGeometry, 7, stamp));
+    EXPECT_EQ(report.verdict.state, State::Blocked) << "frame " << i;
+    EXPECT_NEAR(report.scale, 1.0, 1e-9) << "frame " << i;
+  }
+}
+
+TEST(Pipeline, ReadingsThatAreNoRangesAreCountedAndNamed) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  for (const double range : {kNaN, kInfinity, -kInfinity, 0.0, 0.1, 9509.0}) {
+    EXPECT_EQ(pipeline.addRange(reading(1.0, range)), Outcome::Invalid) << range;
+  }
+  EXPECT_EQ(pipeline.counters().lidar_invalid, 6u);
+  const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));
+  EXPECT_TRUE(report.verdict.reasons & kNoLidar);
+  EXPECT_TRUE(report.verdict.reasons & kLidarRejected);
+}
+
+TEST(Pipeline, BadInputIsUnknownWithItsReason) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  StereoFrame good = wallFrame(kGeometry, 3, 1.0), bad = good;
+  bad.right = cv::Mat();
+  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
+  bad.right = good.right.rowRange(0, 100);
+  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
+  good.right.convertTo(bad.right, CV_16U);
+  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
+  bad = good;
+  bad.stamp_s = kNaN;
+  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kNoData);
+  EXPECT_EQ(pipeline.process(bad).verdict.state, State::Unknown);
+  EXPECT_EQ(pipeline.counters().frames_refused, 5u);
+}
+
+TEST(Pipeline, AMapInTheWorldNeedsAPose) {
+  Config config;
+  config.map.frame_id = "odom";
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.reasons, kNoPose);
+  Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
+  broken.translation().x() = kNaN;
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
+}
+
+TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
+  Config config;
+  config.map.frame_id = "odom";
+  Eigen::Isometry3d T_W_C = Eigen::Isometry3d::Identity();
+  T_W_C.translation() = Eigen::Vector3d(12.3, -4.56, 7.89);
+  T_W_C.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  for (const int disparity : {3, 7}) {
+    Pipeline pipeline(config, kGeometry, rigWithLidar()), camera(Config(), kGeometry, rigWithLidar());
+    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, disparity, 1.0), T_W_C).verdict.state,
+              camera.process(wallFrame(kGeometry, disparity, 1.0)).verdict.state)
+        << disparity << " px";
+  }
+}
+
+TEST(Pipeline, RefusesABrokenConfiguration) {
+  Config config;
+  config.corridor.height_m = 0.0;
+  EXPECT_THROW(Pipeline(config, kGeometry, rigWithLidar()), std::invalid_argument);
+}
+
+TEST(Pipeline, TheCloudIsOfTheLastFrame) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  EXPECT_TRUE(pipeline.cloud().empty());
+  pipeline.process(wallFrame(kGeometry, 7, 1.0));
+  ASSERT_FALSE(pipeline.cloud().empty());
+  EXPECT_NEAR(pipeline.cloud().front().z, 3.0, 0.1);
+  pipeline.process(wallFrame(kGeometry, 3, 1.1));
+  EXPECT_NEAR(pipeline.cloud().front().z, 7.0, 0.5);
+}
+
+TEST(Pipeline, AWholeApproachAgreesWithTheTruth) {
+  sim::SimulationOptions options;
+  options.scene = "wall";
+  options.seed = 3;
+  options.rate_hz = 5.0;
+  const sim::Simulation simulation(options);
+  Rig rig;
+  rig.T_C_L = simulation.T_B_C().inverse() * simulation.T_B_L();
+  Pipeline pipeline(Config(), StereoGeometry(simulation.calibration()), rig);
+  const std::vector<RangeReading> ranges = simulation.ranges();
+  auto next = ranges.begin();
+  int scored = 0;
+  for (std::size_t i = 0; i < simulation.frameTimes().size(); ++i) {
+    const StereoFrame frame = simulation.frame(i);
+    for (; next != ranges.end() && next->stamp_s <= frame.stamp_s; ++next) pipeline.addRange(*next);
+    const State state = pipeline.process(frame).verdict.state;
+    const sim::CorridorTruth truth = simulation.truth(i);
+    if (std::isfinite(truth.clear_exact_m)) {
+      EXPECT_EQ(state, State::Blocked) << "frame " << i;
+    } else if (!std::isfinite(truth.clear_inflated_m) && i > 0) {
+      EXPECT_NE(state, State::Unknown) << "frame " << i;
+    }
+    ++scored;
+  }
+  EXPECT_GT(scored, 20);
+}
+
+}  // namespace
+}  // namespace flight_corridor
