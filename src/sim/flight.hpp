@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace flight_corridor::sim {
+
+/// A straight flight along +x of W that speeds up and brakes smoothly, while the body sways and wobbles.
+/// W: z up. B: x forward, y left, z up.
+struct Flight {
+  Eigen::Vector3d start_W{0.0, 0.0, 1.5};
+  double speed_m_s = 1.0;  ///< Between the ramps.
+  double ramp_s = 0.8;     ///< From standstill to speed, and back.
+  double duration_s = 7.0;
+  Eigen::Vector3d wobble_rad{0.03, 0.02, 0.02};  ///< Largest roll, pitch and yaw.
+  Eigen::Vector3d sway_m{0.02, 0.03, 0.02};      ///< Largest shift forward, left and up.
+  double phase_rad = 0.0;                        ///< Of sway and wobble.
+
+  /// Before the start and after the end the body stands still.
+  Eigen::Isometry3d T_W_B(double time_s) const;
+};
+
+/// Duration of a flight over a distance.
+double durationOver(double distance_m, double speed_m_s, double ramp_s);
+
+}  // namespace flight_corridor::sim

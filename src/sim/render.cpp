@@ -1,0 +1,205 @@
+#include "sim/render.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "sim/texture.hpp"
+
+namespace flight_corridor::sim {
+namespace {
+
+constexpr float kSky = 1.0f;
+constexpr float kAmbient = 0.55f;
+constexpr int kSkyId = -1;
+constexpr int kTile_px = 16;
+constexpr int kSubsamples = 8;  // on outlines only
+const Eigen::Vector3d kToSun_W = Eigen::Vector3d(-0.5, 0.4, 0.75).normalized();
+
+/// Where on the image a primitive can be.
+struct Extent {
+  cv::Rect pixels;
+  double nearest_m;  // depth
+};
+
+/// A primitive as the camera meets it: everything that all rays share.
+struct View {
+  const Primitive* primitive;
+  Eigen::Vector3f origin_O;  // the camera's
+  Eigen::Matrix3f R_O_C;
+  Eigen::Vector3f to_sun_O;
+  Extent extent;
+};
+
+struct Sample {
+  int id = kSkyId;
+  float depth_m = std::numeric_limits<float>::quiet_NaN();
+  float radiance = kSky;
+};
+
+/// Pixels that touch a rectangle, on the image, and one around for subsamples.
+cv::Rect pixelsBetween(const Eigen::Array3d& low, const Eigen::Array3d& high, const cv::Size& size_px) {
+  // Clamped before the conversion: what is nearly beside the camera projects beyond the range of int.
+  const auto within = [](double value, int size) { return static_cast<int>(std::clamp(value, -1.0, size + 1.0)); };
+  const cv::Point from(within(std::floor(low.x()) - 1.0, size_px.width),
+                       within(std::floor(low.y()) - 1.0, size_px.height));
+  const cv::Point to(within(std::ceil(high.x()) + 2.0, size_px.width),
+                     within(std::ceil(high.y()) + 2.0, size_px.height));
+  return cv::Rect(from, to) & cv::Rect({0, 0}, size_px);
+}
+
+/// Of the primitive's box, cut off just before the camera: both ends of what is left of its twelve edges.
+Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::Isometry3d& T_C_O) {
+  constexpr double kNear_m = 0.01;
+  Eigen::Array3d low = Eigen::Array3d::Constant(kInfinity);  // u, v, depth
+  Eigen::Array3d high = -low;
+  const auto cornerAt = [&](int corner) -> Eigen::Vector3d {
+    const Eigen::Vector3d signs((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+    return T_C_O * primitive.half_m.cwiseProduct(signs);
+  };
+  const auto cover = [&](const Eigen::Vector3d& p_C) {
+    const Eigen::Array3d projected(camera.fx_px * p_C.x() / p_C.z() + camera.cx_px,
+                                   camera.fy_px * p_C.y() / p_C.z() + camera.cy_px, p_C.z());
+    low = low.min(projected);
+    high = high.max(projected);
+  };
+  for (int corner = 0; corner < 8; ++corner) {
+    for (const int next : {corner | 1, corner | 2, corner | 4}) {
+      const Eigen::Vector3d from_C = cornerAt(corner), to_C = cornerAt(next);
+      const double share = (kNear_m - from_C.z()) / (to_C.z() - from_C.z());
+      if (from_C.z() >= kNear_m) cover(from_C);
+      if (to_C.z() >= kNear_m) cover(to_C);
+      if (0.0 < share && share < 1.0) cover(from_C + share * (to_C - from_C));
+    }
+  }
+  const bool behind = low.z() == kInfinity;
+  return {behind ? cv::Rect() : pixelsBetween(low, high, camera.size_px), low.z()};
+}
+
+/// Nearest first.
+std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera) {
+  std::vector<View> views;
+  for (const Primitive& primitive : primitives) {
+    if (!primitive.material.camera_sees) continue;
+    const Eigen::Isometry3d T_O_C = primitive.T_W_O.inverse() * camera.T_W_C;
+    const Extent extent = extentOf(primitive, camera, T_O_C.inverse());
+    if (extent.pixels.empty()) continue;
+    views.push_back({&primitive, T_O_C.translation().cast<float>(), T_O_C.linear().cast<float>(),
+                     (primitive.T_W_O.linear().transpose() * kToSun_W).cast<float>(), extent});
+  }
+  std::sort(views.begin(), views.end(),
+            [](const View& a, const View& b) { return a.extent.nearest_m < b.extent.nearest_m; });
+  return views;
+}
+
+/// One image under way, tile by tile: first a ray through each pixel, then more rays where neighbours differ.
+class Renderer {
+ public:
+  Renderer(const std::vector<Primitive>& primitives, const Camera& camera)
+      : camera_(camera),
+        views_(viewsOf(primitives, camera)),
+        tiles_((camera.size_px.width + kTile_px - 1) / kTile_px, (camera.size_px.height + kTile_px - 1) / kTile_px),
+        candidates_(tiles_.area()),
+        ids_(camera.size_px, CV_32SC1),
+        rendering_{cv::Mat(camera.size_px, CV_32FC1), cv::Mat(camera.size_px, CV_32FC1)} {
+    for (int id = 0; id < static_cast<int>(views_.size()); ++id) addCandidate(id);
+  }
+
+  Rendering run() {
+    forEachPixel([this](const std::vector<int>& candidates, int u, int v) { castThroughCentre(candidates, u, v); });
+    forEachPixel([this](const std::vector<int>& candidates, int u, int v) {
+      if (onOutline(u, v)) rendering_.radiance.at<float>(v, u) = averageOver(candidates, u, v);
+    });
+    return rendering_;
+  }
+
+ private:
+  void addCandidate(int id) {
+    const cv::Rect& box = views_[id].extent.pixels;
+    for (int y = box.y / kTile_px; y <= (box.br().y - 1) / kTile_px; ++y) {
+      for (int x = box.x / kTile_px; x <= (box.br().x - 1) / kTile_px; ++x) {
+        candidates_[y * tiles_.width + x].push_back(id);
+      }
+    }
+  }
+
+  template <typename Visit>
+  void forEachPixel(const Visit& visit) {
+    cv::parallel_for_(cv::Range(0, tiles_.area()), [&](const cv::Range& range) {
+      for (int tile = range.start; tile < range.end; ++tile) {
+        const cv::Rect pixels =
+            cv::Rect(tile % tiles_.width * kTile_px, tile / tiles_.width * kTile_px, kTile_px, kTile_px) &
+            cv::Rect({0, 0}, camera_.size_px);
+        for (int v = pixels.y; v < pixels.br().y; ++v) {
+          for (int u = pixels.x; u < pixels.br().x; ++u) visit(candidates_[tile], u, v);
+        }
+      }
+    });
+  }
+
+  void castThroughCentre(const std::vector<int>& candidates, int u, int v) {
+    const Sample sample = cast(candidates, static_cast<float>(u), static_cast<float>(v));
+    ids_.at<int>(v, u) = sample.id;
+    rendering_.depth_m.at<float>(v, u) = sample.depth_m;
+    rendering_.radiance.at<float>(v, u) = sample.radiance;
+  }
+
+  bool onOutline(int u, int v) const {
+    const int id = ids_.at<int>(v, u);
+    const auto differs = [&](int x, int y) {
+      return 0 <= x && x < ids_.cols && 0 <= y && y < ids_.rows && ids_.at<int>(y, x) != id;
+    };
+    return differs(u - 1, v) || differs(u + 1, v) || differs(u, v - 1) || differs(u, v + 1);
+  }
+
+  /// Mean over the pixel's square: each sample has its own row and its own column of an 8x8 grid.
+  float averageOver(const std::vector<int>& candidates, int u, int v) const {
+    float sum = 0.0f;
+    for (int i = 0; i < kSubsamples; ++i) {
+      const float du = (static_cast<float>(3 * i % kSubsamples) + 0.5f) / kSubsamples - 0.5f;
+      const float dv = (static_cast<float>(i) + 0.5f) / kSubsamples - 0.5f;
+      sum += cast(candidates, static_cast<float>(u) + du, static_cast<float>(v) + dv).radiance;
+    }
+    return sum / kSubsamples;
+  }
+
+  Sample cast(const std::vector<int>& candidates, float u, float v) const {
+    const Eigen::Vector3f direction_C((u - static_cast<float>(camera_.cx_px)) / static_cast<float>(camera_.fx_px),
+                                      (v - static_cast<float>(camera_.cy_px)) / static_cast<float>(camera_.fy_px), 1);
+    int nearest_id = kSkyId;
+    SurfacePoint nearest{std::numeric_limits<float>::infinity(), {}};
+    for (const int id : candidates) {
+      if (views_[id].extent.nearest_m >= nearest.t) break;
+      const auto hit = intersect(*views_[id].primitive, views_[id].origin_O, views_[id].R_O_C * direction_C);
+      if (!hit || hit->t >= nearest.t) continue;
+      nearest = *hit;
+      nearest_id = id;
+    }
+    if (nearest_id == kSkyId) return {};
+    return {nearest_id, nearest.t, shade(views_[nearest_id], nearest, direction_C)};
+  }
+
+  float shade(const View& view, const SurfacePoint& surface, const Eigen::Vector3f& direction_C) const {
+    const Eigen::Vector3f direction_O = view.R_O_C * direction_C;
+    const float facing = std::max(-surface.normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
+    // Seen aslant the footprint is stretched one way only: the geometric mean of both edges.
+    const float footprint_m = surface.t / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
+    const float light = kAmbient + (1.0f - kAmbient) * std::max(surface.normal_O.dot(view.to_sun_O), 0.0f);
+    return light * reflectance(view.primitive->material, view.origin_O + surface.t * direction_O, footprint_m);
+  }
+
+  const Camera& camera_;
+  std::vector<View> views_;
+  cv::Size tiles_;
+  std::vector<std::vector<int>> candidates_;  // per tile, nearest first
+  cv::Mat ids_;                               // CV_32SC1
+  Rendering rendering_;
+};
+
+}  // namespace
+
+Rendering render(const std::vector<Primitive>& primitives, const Camera& camera) {
+  return Renderer(primitives, camera).run();
+}
+
+}  // namespace flight_corridor::sim

@@ -1,0 +1,95 @@
+#include "sim/simulation.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/lidar.hpp"
+#include "sim/random.hpp"
+#include "sim/render.hpp"
+
+namespace flight_corridor::sim {
+namespace {
+
+constexpr double kFirstStamp_s = 100.0;  // not zero: that means "no time" to ROS
+
+const SimulationOptions& checked(const SimulationOptions& options) {
+  std::string broken;
+  const auto require = [&](bool holds, const char* rule) {
+    if (!holds) broken += (broken.empty() ? "" : "; ") + std::string(rule);
+  };
+  require(1.0 <= options.rate_hz && options.rate_hz <= 1000.0, "rate_hz must be within [1, 1000]");
+  require(0.1 <= options.image_scale && options.image_scale <= 4.0, "image_scale must be within [0.1, 4]");
+  require((options.corridor_m.array() > 0.2).all(), "each size in corridor_m must be above 0.2");
+  const double baseline_error = options.baseline_error.value_or(0.0);
+  require(-0.5 <= baseline_error && baseline_error <= 0.5, "baseline_error must be within [-0.5, 0.5]");
+  const double offset_px = options.disparity_offset_px.value_or(0.0);
+  require(-20.0 <= offset_px && offset_px <= 20.0, "disparity_offset_px must be within [-20, 20]");
+  if (!broken.empty()) throw std::invalid_argument("simulation: " + broken);
+  return options;
+}
+
+Scene sceneFor(const SimulationOptions& options) {
+  Scene scene = makeScene(options.scene, options.seed);
+  scaleImages(scene.rig, options.image_scale);
+  scene.rig.baseline_error = options.baseline_error.value_or(scene.rig.baseline_error);
+  scene.rig.disparity_offset_px = options.disparity_offset_px.value_or(scene.rig.disparity_offset_px);
+  return scene;
+}
+
+/// Ascending times within [0, duration], a period apart.
+std::vector<double> ticks(double duration_s, double rate_hz) {
+  std::vector<double> times_s;
+  for (int i = 0; i / rate_hz <= duration_s; ++i) times_s.push_back(i / rate_hz);
+  return times_s;
+}
+
+}  // namespace
+
+Simulation::Simulation(const SimulationOptions& options)
+    : options_(checked(options)),
+      scene_(sceneFor(options)),
+      lidar_fault_{lidarFaultFromName(options.lidar_fault), options.lidar_fault_from_s, options.lidar_fault_until_s},
+      frame_times_s_(ticks(scene_.flight.duration_s, options.rate_hz)) {
+  for (double& time_s : frame_times_s_) time_s += kFirstStamp_s;
+}
+
+Eigen::Isometry3d Simulation::T_W_B(double stamp_s) const { return scene_.flight.T_W_B(stamp_s - kFirstStamp_s); }
+
+StereoFrame Simulation::frame(std::size_t index) const {
+  const double stamp_s = frame_times_s_.at(index);
+  const std::vector<Primitive> world = worldAt(stamp_s);
+  const Rendering left = render(world, leftCamera(scene_.rig, T_W_B(stamp_s)));
+  const Rendering right = render(world, rightCamera(scene_.rig, T_W_B(stamp_s)));
+  return {stamp_s, expose(left.radiance, scene_.rig.left, streamSeed(options_.seed, Stream::LeftImage, index)),
+          expose(right.radiance, scene_.rig.right, streamSeed(options_.seed, Stream::RightImage, index))};
+}
+
+std::vector<RangeReading> Simulation::ranges() const {
+  std::vector<RangeReading> readings;
+  Lidar lidar(scene_.lidar, lidar_fault_, options_.seed);
+  for (const double time_s : ticks(scene_.flight.duration_s, scene_.lidar.rate_hz)) {
+    const double stamp_s = kFirstStamp_s + time_s;
+    const double range_m = castBeam(worldAt(stamp_s), T_W_B(stamp_s) * T_B_L(), scene_.lidar.field_of_view_rad);
+    auto reading = lidar.read(range_m, time_s);
+    if (!reading) continue;
+    reading->stamp_s = stamp_s;
+    readings.push_back(*reading);
+  }
+  return readings;
+}
+
+CorridorTruth Simulation::truth(std::size_t index) const {
+  const double stamp_s = frame_times_s_.at(index);
+  return corridorTruth(worldAt(stamp_s), T_W_B(stamp_s) * T_B_C(), options_.corridor_m);
+}
+
+cv::Mat Simulation::depth(std::size_t index) const {
+  const double stamp_s = frame_times_s_.at(index);
+  return render(worldAt(stamp_s), leftCamera(scene_.rig, T_W_B(stamp_s))).depth_m;
+}
+
+std::vector<Primitive> Simulation::worldAt(double stamp_s) const {
+  return visibleAt(scene_.world, stamp_s - kFirstStamp_s);
+}
+
+}  // namespace flight_corridor::sim

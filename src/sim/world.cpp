@@ -1,0 +1,111 @@
+#include "sim/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flight_corridor::sim {
+namespace {
+
+/// Part of a ray inside a convex solid: the parts inside each of its slabs and rounds, intersected.
+struct Passage {
+  float enter = -std::numeric_limits<float>::infinity();
+  float leave = std::numeric_limits<float>::infinity();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+
+  void miss() { leave = -std::numeric_limits<float>::infinity(); }
+};
+
+void clipBySlab(int axis, float half_m, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                Passage& passage) {
+  if (direction[axis] == 0.0f) {
+    if (std::abs(origin[axis]) > half_m) passage.miss();
+    return;
+  }
+  const float inverse = 1.0f / direction[axis];
+  const float side = inverse > 0.0f ? -1.0f : 1.0f;
+  const float enter = (side * half_m - origin[axis]) * inverse;
+  passage.leave = std::min(passage.leave, (-side * half_m - origin[axis]) * inverse);
+  if (enter > passage.enter) {
+    passage.enter = enter;
+    passage.normal = side * Eigen::Vector3f::Unit(axis);
+  }
+}
+
+/// Round about the origin in the axes where `within` is 1: a sphere, or a cylinder along the axis where it is 0.
+void clipByRound(const Eigen::Vector3f& within, float radius_m, const Eigen::Vector3f& origin,
+                 const Eigen::Vector3f& direction, Passage& passage) {
+  const Eigen::Vector3f o = origin.cwiseProduct(within);
+  const Eigen::Vector3f d = direction.cwiseProduct(within);
+  const float squared_speed = d.squaredNorm();
+  // From the nearest point of the line, not by the textbook's b^2 - 4ac: that cancels for thin poles far away.
+  const float t_nearest = squared_speed > 0.0f ? -o.dot(d) / squared_speed : 0.0f;
+  const float squared_half_chord = radius_m * radius_m - (o + t_nearest * d).squaredNorm();
+  if (squared_half_chord < 0.0f) return passage.miss();
+  if (squared_speed == 0.0f) return;
+  const float half_passage = std::sqrt(squared_half_chord / squared_speed);
+  passage.leave = std::min(passage.leave, t_nearest + half_passage);
+  if (const float enter = t_nearest - half_passage; enter > passage.enter) {
+    passage.enter = enter;
+    passage.normal = (o + enter * d) / radius_m;
+  }
+}
+
+}  // namespace
+
+Primitive makeBox(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& size_m, const Material& material) {
+  Primitive box;
+  box.T_W_O.translation() = centre_W;
+  box.half_m = size_m / 2.0;
+  box.material = material;
+  return box;
+}
+
+Primitive makeCylinder(const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W, double radius_m,
+                       const Material& material) {
+  Primitive cylinder;
+  cylinder.shape = Shape::Cylinder;
+  cylinder.T_W_O.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), to_W - from_W).toRotationMatrix();
+  cylinder.T_W_O.translation() = (from_W + to_W) / 2.0;
+  cylinder.half_m = {radius_m, radius_m, (to_W - from_W).norm() / 2.0};
+  cylinder.material = material;
+  return cylinder;
+}
+
+Primitive makeSphere(const Eigen::Vector3d& centre_W, double radius_m, const Material& material) {
+  Primitive sphere = makeBox(centre_W, Eigen::Vector3d::Constant(2.0 * radius_m), material);
+  sphere.shape = Shape::Sphere;
+  return sphere;
+}
+
+std::vector<Primitive> visibleAt(const std::vector<Primitive>& world, double time_s) {
+  std::vector<Primitive> visible;
+  for (const Primitive& primitive : world) {
+    if (time_s < primitive.visible_from_s || primitive.visible_until_s <= time_s) continue;
+    visible.push_back(primitive);
+    visible.back().T_W_O.translation() += time_s * primitive.velocity_W;
+  }
+  return visible;
+}
+
+std::optional<SurfacePoint> intersect(const Primitive& primitive, const Eigen::Vector3f& origin_O,
+                                      const Eigen::Vector3f& direction_O) {
+  const Eigen::Vector3f half_m = primitive.half_m.cast<float>();
+  Passage passage;
+  switch (primitive.shape) {
+    case Shape::Box:
+      for (int axis = 0; axis < 3; ++axis) clipBySlab(axis, half_m[axis], origin_O, direction_O, passage);
+      break;
+    case Shape::Cylinder:
+      clipByRound({1.0f, 1.0f, 0.0f}, half_m.x(), origin_O, direction_O, passage);
+      clipBySlab(2, half_m.z(), origin_O, direction_O, passage);
+      break;
+    case Shape::Sphere:
+      clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
+      break;
+  }
+  if (!(0.0f < passage.enter && passage.enter <= passage.leave)) return std::nullopt;
+  return SurfacePoint{passage.enter, passage.normal};
+}
+
+}  // namespace flight_corridor::sim
