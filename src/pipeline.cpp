@@ -25,6 +25,8 @@ class Stopwatch {
 
 void append(Violations& all, const Violations& some) { all.insert(all.end(), some.begin(), some.end()); }
 
+bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
+
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
   return config;
@@ -157,8 +159,8 @@ void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const 
 
 /// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
 double Pipeline::lidarRange(double stamp_s) const {
-  const bool usable = lidar_ && (lidar_->outcome == Outcome::Accepted || lidar_->outcome == Outcome::Reinitialised) &&
-                      std::abs(stamp_s - lidar_->reading.stamp_s) <= config_.fusion.max_gap_s;
+  const bool usable =
+      lidar_ && isFused(lidar_->outcome) && std::abs(stamp_s - lidar_->reading.stamp_s) <= config_.fusion.max_gap_s;
   return usable ? lidar_->reading.range_m : kNaN;
 }
 
@@ -173,32 +175,30 @@ void Pipeline::updateMap() {
 
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
-  const Box box = this->box();
   const Eigen::Isometry3d T_C_M = T_M_C_.inverse();
   const CorridorOccupancy occupancy = corridor_.inspect(
-      map_.tree(), box, [&](const Eigen::Vector3d& p_M) { return disparity_estimator_.observes(T_C_M * p_M); });
-  verdict.clear_distance_m = occupancy.clear_distance_m;
+      map_.tree(), box(), [&](const Eigen::Vector3d& p_M) { return disparity_estimator_.observes(T_C_M * p_M); });
+  const std::optional<double> beam_end_m = beamEndInBox();
+  verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  const std::optional<double> beam_end_m = beamEndInBox();
-  if (beam_end_m) verdict.clear_distance_m = std::min(verdict.clear_distance_m, *beam_end_m);
-  if (std::isfinite(occupancy.clear_distance_m)) verdict.reasons |= kOccupiedCell;
-  if (beam_end_m) verdict.reasons |= kShortRange;
-  if (disparity_.matched_fraction < config_.stereo.min_matched_fraction) verdict.reasons |= kNoDisparity;
-  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
-  if (report_.range.disagreement) verdict.reasons |= kDisagreement;
-  if (!std::isfinite(report_.range_lidar_m)) verdict.reasons |= kNoLidar;
-  if (lidar_ && lidar_->outcome != Outcome::Accepted && lidar_->outcome != Outcome::Reinitialised)
-    verdict.reasons |= kLidarRejected;
-  if (!std::isfinite(report_.range.range_m)) verdict.reasons |= kNoRangeObserved;
+  const auto because = [&](bool holds, Reason reason) {
+    if (holds) verdict.reasons |= reason;
+  };
+  because(std::isfinite(occupancy.clear_distance_m), kOccupiedCell);
+  because(beam_end_m.has_value(), kShortRange);
+  const bool blocked = verdict.reasons != 0;
+  if (blocked) blocked_s_ = verdict.stamp_s;
+  because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
+  because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
+  because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
+  const bool hidden = (verdict.reasons & (kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
+  verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
-  constexpr std::uint32_t kBlocking = kOccupiedCell | kShortRange;
-  constexpr std::uint32_t kHiding = kNoDisparity | kUnobserved;
-  if (verdict.reasons & kBlocking) {
-    verdict.state = State::Blocked;
-  } else {
-    verdict.state = verdict.reasons & kHiding ? State::Unknown : State::Free;
-  }
+  because(report_.range.disagreement, kDisagreement);
+  because(std::isnan(report_.range_lidar_m), kNoLidar);
+  because(lidar_ && !isFused(lidar_->outcome), kLidarRejected);
+  because(std::isnan(report_.range.range_m), kNoRangeObserved);
 }
 
 /// How far along the box's axis the beam ends, when that is inside the box: d_K < D_min of the paper, carried to the
@@ -227,6 +227,7 @@ void Pipeline::reset() {
   scale_.reset();
   map_.clear();
   lidar_.reset();
+  blocked_s_ = -kInfinity;
 }
 
 }  // namespace flight_corridor

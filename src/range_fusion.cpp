@@ -68,7 +68,8 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   const auto after =
       std::find_if(steps_.rbegin(), steps_.rend(), [&](const Step& step) { return step.reading.stamp_s <= stamp_s; });
   const Filter& newest = after == steps_.rend() ? before_ : after->after;
-  if (!(newest.stamp_s <= stamp_s && stamp_s - newest.lastAccepted() <= config_.max_gap_s)) return {};
+  if (!(newest.confirmed && newest.stamp_s <= stamp_s && stamp_s - newest.lastAccepted() <= config_.max_gap_s))
+    return {};
 
   const Filter now = predicted(newest, stamp_s);
   RangeEstimate estimate;
@@ -127,11 +128,12 @@ Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
     const Eigen::Vector2d gain = filter.covariance.col(0) / innovation_variance;
     filter.mean += gain * innovation;
     filter.covariance -= gain * filter.covariance.row(0).eval();
+    filter.confirmed = true;
     return accept(Outcome::Accepted);
   }
 
   remember(track, reading);
-  if (!isNewSurface(filter, reading)) return Outcome::Gated;
+  if (filter.confirmed && !isNewSurface(filter, reading)) return Outcome::Gated;
   initialise(filter, reading.stamp_s, reading.range_m, reading.variance_m2);
   return accept(Outcome::Reinitialised);
 }

@@ -52,6 +52,7 @@ TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
   EXPECT_EQ(blank.verdict.state, State::Unknown);
   EXPECT_TRUE(blank.verdict.reasons & kNoDisparity);
   EXPECT_TRUE(blank.verdict.reasons & kNoRangeObserved);
+  pipeline.addRange(reading(1.04, 2.0));
   pipeline.addRange(reading(1.05, 2.0));
   frame.stamp_s = 1.06;
   EXPECT_EQ(pipeline.process(frame).verdict.state, State::Blocked);
@@ -68,6 +69,15 @@ TEST(Pipeline, ALidarStuckFarAwayCannotFreeABlockedCorridor) {
     EXPECT_EQ(report.verdict.state, State::Blocked) << "frame " << i;
     EXPECT_NEAR(report.scale, 1.0, 1e-9) << "frame " << i;
   }
+}
+
+TEST(Pipeline, AfterBlockedNothingIsFreeForTheHoldTime) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 7, 1.0)).verdict.state, State::Blocked);
+  const Report& held = pipeline.process(wallFrame(kGeometry, 3, 1.1));
+  EXPECT_EQ(held.verdict.state, State::Unknown);
+  EXPECT_TRUE(held.verdict.reasons & kRecentlyBlocked);
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.3)).verdict.state, State::Free);
 }
 
 TEST(Pipeline, ReadingsThatAreNoRangesAreCountedAndNamed) {

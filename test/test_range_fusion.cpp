@@ -126,6 +126,7 @@ TEST(RangeFusion, InLastingDisagreementTheNearerSensorRules) {
 TEST(RangeFusion, ForgetsAfterTheGap) {
   RangeFusion fusion((FusionConfig()));
   fusion.add(Sensor::Lidar, 1.0, 5.0, kLidarVariance_m2);
+  fusion.add(Sensor::Lidar, 1.0, 5.0, kLidarVariance_m2);
   EXPECT_NEAR(fusion.at(1.4).range_m, 5.0, 1e-9);
   EXPECT_TRUE(std::isnan(fusion.at(1.6).range_m));
   EXPECT_EQ(fusion.add(Sensor::Lidar, 2.0, 9.0, kLidarVariance_m2), Outcome::Reinitialised);
@@ -139,6 +140,16 @@ TEST(RangeFusion, RefusesWhatIsNoReading) {
   EXPECT_EQ(fusion.add(Sensor::Lidar, kNaN, 5.0, kLidarVariance_m2), Outcome::Invalid);
   EXPECT_EQ(fusion.add(Sensor::Lidar, 1.0, 5.0, 0.0), Outcome::Invalid);
   EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
+}
+
+TEST(RangeFusion, ALoneReadingIsNoRangeUntilASecondConfirmsIt) {
+  RangeFusion fusion((FusionConfig()));
+  fusion.add(Sensor::Lidar, 1.0, 1.5, kLidarVariance_m2);  // a spike into open sky
+  EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
+  fusion.add(Sensor::Lidar, 1.01, 7.0, kLidarVariance_m2);
+  EXPECT_TRUE(std::isnan(fusion.at(1.01).range_m));
+  fusion.add(Sensor::Stereo, 1.02, 7.05, kStereoVariance_m2);
+  EXPECT_NEAR(fusion.at(1.02).range_m, 7.0, 0.1);
 }
 
 TEST(RangeFusion, ReadingsOlderThanTheBufferAreTooLate) {

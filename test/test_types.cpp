@@ -12,6 +12,7 @@ TEST(Types, ReasonsAreNamedInTheOrderOfTheirBits) {
   EXPECT_EQ(describeReasons(0), "");
   EXPECT_EQ(describeReasons(kOccupiedCell | kDisagreement), "OCCUPIED_CELL|DISAGREEMENT");
   EXPECT_EQ(describeReasons(kNoRangeObserved), "NO_RANGE_OBSERVED");
+  EXPECT_EQ(describeReasons(kRecentlyBlocked), "RECENTLY_BLOCKED");
 }
 
 TEST(Types, AFreshVerdictIsUnknown) {

@@ -13,9 +13,9 @@ namespace flight_corridor {
 struct StereoConfig {
   std::string mode = "3way";     ///< sgbm, hh, 3way or hh4 (cv::StereoSGBM modes).
   int num_disparities_px = 128;  ///< Search range, a multiple of 16; nearest depth = f*B/num_disparities.
-  int block_size_px = 5;         ///< Odd.
-  int smoothness_small = 8;      ///< SGBM P1 per pixel of the block (Hirschmueller 2008, eq. 13).
-  int smoothness_large = 32;     ///< SGBM P2 per pixel of the block.
+  int block_size_px = 3;         ///< Odd.
+  int smoothness_small = 4;      ///< SGBM P1 per pixel of the block (Hirschmueller 2008, eq. 13).
+  int smoothness_large = 12;     ///< SGBM P2 per pixel of the block.
   int uniqueness_percent = 10;   ///< The best match must beat the second by this much.
   int left_right_max_px = 1;     ///< Largest left-right inconsistency; -1 switches the check off.
   int speckle_window_px = 100;   ///< Smaller islands of disparity are removed; 0 switches it off.

@@ -113,6 +113,7 @@ class Pipeline {
   OccupancyMap map_;
   Corridor corridor_;
 
+  double blocked_s_ = -kInfinity;     // stamp of the last BLOCKED
   std::optional<LidarMemory> lidar_;  // newest reading
   cv::Mat left_;
   Disparity disparity_;

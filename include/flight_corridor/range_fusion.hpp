@@ -28,7 +28,7 @@ enum class Outcome : std::uint8_t { Accepted, Gated, Reinitialised, TooLate, Inv
 
 /// d_K and what is known about it.
 struct RangeEstimate {
-  double range_m = kNaN;  ///< d_K along the beam; NaN when neither sensor spoke within fusion/max_gap_s.
+  double range_m = kNaN;  ///< d_K along the beam; NaN unless two readings agreed and one came within fusion/max_gap_s.
   double sigma_m = kNaN;
   double rate_mps = kNaN;
   bool disagreement = false;    ///< One sensor is lastingly outside the other's gate.
@@ -66,6 +66,7 @@ class RangeFusion {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     std::array<SensorTrack, 2> tracks;
+    bool confirmed = false;  // by a second reading: a lone one may be a spike
     bool initialised() const { return stamp_s == stamp_s; }
     double lastAccepted() const { return std::max(tracks[0].accepted_s, tracks[1].accepted_s); }
   };

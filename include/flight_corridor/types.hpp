@@ -73,6 +73,7 @@ enum Reason : std::uint32_t {
   kNoLidar = 1u << 9,           ///< Information: no usable LiDAR reading; stereo alone answers.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
+  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
 };
 
 /// The reasons' names joined by '|', e.g. "OCCUPIED_CELL|SHORT_RANGE"; "" when none.

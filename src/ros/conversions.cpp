@@ -1,0 +1,142 @@
+#include "ros/conversions.hpp"
+
+#include <pcl_conversions/pcl_conversions.h>
+#include <sensor_msgs/image_encodings.h>
+#include <tf2_eigen/tf2_eigen.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "flight_corridor/overlay.hpp"
+
+namespace flight_corridor_ros {
+
+namespace {
+
+constexpr double kSamePx = 0.01;            // what rounding in a calibration file may differ
+constexpr double kSubpixelStep = 1 / 16.0;  // of StereoSGBM
+
+std::string differ(const char* name, double left, double right) {
+  if (std::abs(left - right) <= kSamePx) return "";
+  return std::string(" ") + name + " of left and right differ (" + std::to_string(left) + ", " + std::to_string(right) +
+         "): the pair is not rectified together;";
+}
+
+/// REP 104: (0, 0, 0, 0) means the full image.
+bool isFullImage(const sensor_msgs::CameraInfo& info) {
+  const auto& roi = info.roi;
+  const bool offset = roi.x_offset != 0 || roi.y_offset != 0;
+  const bool cropped = (roi.width != 0 && roi.width != info.width) || (roi.height != 0 && roi.height != info.height);
+  return !offset && !cropped && info.binning_x <= 1 && info.binning_y <= 1;
+}
+
+}  // namespace
+
+flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& left,
+                                                 const sensor_msgs::CameraInfo& right) {
+  std::string faults = differ("fx", left.P[0], right.P[0]) + differ("fy", left.P[5], right.P[5]) +
+                       differ("cy", left.P[6], right.P[6]) + differ("width", left.width, right.width) +
+                       differ("height", left.height, right.height);
+  if (!isFullImage(left) || !isFullImage(right)) faults += " binning or a region of interest is set: send full images;";
+  if (!faults.empty()) throw std::invalid_argument("CameraInfo:" + faults);
+  flight_corridor::StereoCalibration calibration;
+  calibration.size_px = cv::Size(static_cast<int>(left.width), static_cast<int>(left.height));
+  calibration.fx_px = left.P[0];
+  calibration.fy_px = left.P[5];
+  calibration.cx_px = left.P[2];
+  calibration.cy_px = left.P[6];
+  calibration.cx_right_px = right.P[2];
+  calibration.baseline_m = (left.P[3] - right.P[3]) / left.P[0];
+  return calibration;
+}
+
+flight_corridor::RangeReading toReading(const sensor_msgs::Range& message) {
+  return {message.header.stamp.toSec(), message.range, message.min_range, message.max_range, message.field_of_view};
+}
+
+cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) try {
+  // 8UC1 is grey without saying so; cv_bridge does not convert it.
+  const bool is_grey = message->encoding == sensor_msgs::image_encodings::TYPE_8UC1;
+  return cv_bridge::toCvShare(message, is_grey ? message->encoding : sensor_msgs::image_encodings::MONO8);
+} catch (const std::exception& error) {
+  throw std::invalid_argument("image of " + message->header.frame_id + ", encoding \"" + message->encoding +
+                              "\", cannot be read as grey: " + error.what());
+}
+
+flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
+                                         const Eigen::Vector3d& box_size_m, double latency_s) {
+  flight_corridor::CorridorState message;
+  message.header = header;
+  message.state = static_cast<std::uint8_t>(report.verdict.state);
+  message.clear_distance = report.verdict.clear_distance_m;
+  message.unknown_fraction = report.verdict.unknown_fraction;
+  tf2::toMsg(box_size_m, message.box);
+  message.range_fused = report.range.range_m;
+  message.range_fused_sigma = report.range.sigma_m;
+  message.range_lidar = report.range_lidar_m;
+  message.range_stereo = report.range_stereo_m;
+  message.scale = report.scale;
+  message.scale_sigma = report.scale_sigma;
+  message.reasons = report.verdict.reasons;
+  message.latency = latency_s;
+  return message;
+}
+
+sensor_msgs::Range toRange(const ros::Time& stamp, const flight_corridor::RangeEstimate& estimate,
+                           const flight_corridor::LidarConfig& config, const sensor_msgs::Range& lidar) {
+  sensor_msgs::Range message = lidar;
+  message.header.stamp = stamp;
+  message.min_range = static_cast<float>(config.min_range_m);
+  message.max_range = static_cast<float>(config.max_range_m);
+  message.range = static_cast<float>(estimate.range_m);
+  return message;
+}
+
+sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& image, const std::string& encoding) {
+  return cv_bridge::CvImage(header, encoding, image).toImageMsg();
+}
+
+stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
+                                             const flight_corridor::StereoGeometry& geometry, int num_disparities_px) {
+  const double shift_px = -geometry.principalPointDifference();
+  stereo_msgs::DisparityImage message;
+  message.header = header;
+  message.f = static_cast<float>(geometry.calibration().fx_px);
+  message.T = static_cast<float>(geometry.calibration().baseline_m);
+  message.min_disparity = static_cast<float>(std::max(0.0, shift_px));
+  message.max_disparity = static_cast<float>(num_disparities_px - 1 + shift_px);
+  message.delta_d = kSubpixelStep;
+  message.valid_window.width = static_cast<std::uint32_t>(disparity_px.cols);
+  message.valid_window.height = static_cast<std::uint32_t>(disparity_px.rows);
+  cv::Mat marked = disparity_px.clone();
+  cv::patchNaNs(marked, message.min_disparity - 1.0);
+  message.image = *toImage(header, marked, sensor_msgs::image_encodings::TYPE_32FC1);
+  return message;
+}
+
+sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud) {
+  sensor_msgs::PointCloud2 message;
+  pcl::toROSMsg(cloud, message);
+  message.header = header;
+  return message;
+}
+
+visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight_corridor::Box& box,
+                                    flight_corridor::State state) {
+  const cv::Scalar bgr = flight_corridor::colour(state) / 255.0;
+  visualization_msgs::Marker marker;
+  marker.header = header;
+  marker.ns = "corridor";
+  marker.type = visualization_msgs::Marker::CUBE;
+  marker.action = visualization_msgs::Marker::ADD;
+  marker.pose = tf2::toMsg(box.T_M_F * Eigen::Translation3d(box.size_m.x() / 2, 0.0, 0.0));
+  tf2::toMsg(box.size_m, marker.scale);
+  marker.color.b = static_cast<float>(bgr[0]);
+  marker.color.g = static_cast<float>(bgr[1]);
+  marker.color.r = static_cast<float>(bgr[2]);
+  marker.color.a = 0.4f;
+  return marker;
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cv_bridge/cv_bridge.h>
+#include <flight_corridor/CorridorState.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/Range.h>
+#include <std_msgs/Header.h>
+#include <stereo_msgs/DisparityImage.h>
+#include <visualization_msgs/Marker.h>
+
+#include "flight_corridor/pipeline.hpp"
+
+namespace flight_corridor_ros {
+
+// Messages in.
+
+/// Numbers of a rectified pair: projection matrices P, baseline = (P_left[3] - P_right[3]) / fx.
+/// @throws std::invalid_argument naming what does not fit: sizes, fx, fy or cy that differ, binning, region of
+/// interest.
+///         Impossible numbers are StereoGeometry's to refuse.
+flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& left,
+                                                 const sensor_msgs::CameraInfo& right);
+
+flight_corridor::RangeReading toReading(const sensor_msgs::Range& message);
+
+/// The image as CV_8UC1; shared when it is grey already.
+/// @throws std::invalid_argument naming frame and encoding when the encoding is no image or the data is too short.
+cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message);
+
+// Messages out: each takes the header that the data belongs to.
+
+/// @param latency_s from the left image's stamp to now.
+flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
+                                         const Eigen::Vector3d& box_size_m, double latency_s);
+
+/// d_K as a reading of the LiDAR.
+/// @param lidar a message of the LiDAR: its frame and beam are the fused range's too.
+sensor_msgs::Range toRange(const ros::Time& stamp, const flight_corridor::RangeEstimate& estimate,
+                           const flight_corridor::LidarConfig& config, const sensor_msgs::Range& lidar);
+
+/// @param image CV_8UC1, CV_8UC3 or CV_32FC1, as the encoding says.
+sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& image, const std::string& encoding);
+
+/// Disparity with Z = f*T/d; no match: below min_disparity, as the message's definition wants.
+/// @param disparity_px CV_32FC1, NaN = no match.
+stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
+                                             const flight_corridor::StereoGeometry& geometry, int num_disparities_px);
+
+sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
+
+/// The corridor's box, coloured by state.
+visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight_corridor::Box& box,
+                                    flight_corridor::State state);
+
+}  // namespace flight_corridor_ros

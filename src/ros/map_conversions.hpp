@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nav_msgs/OccupancyGrid.h>
+#include <octomap/OcTree.h>
+#include <octomap_msgs/Octomap.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Header.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <Eigen/Geometry>
+
+namespace flight_corridor_ros {
+
+// The octree as octomap_server names and types it. `header` is the map's; T_M_G turns a frame G with z up at the map's
+// origin into the map's frame M (identity for a fixed frame, opticalFromForward() for the camera's).
+
+/// Free, occupied and unknown only.
+octomap_msgs::Octomap toBinaryOctomap(const std_msgs::Header& header, const octomap::OcTree& tree);
+/// The cells' log-odds.
+octomap_msgs::Octomap toFullOctomap(const std_msgs::Header& header, const octomap::OcTree& tree);
+
+enum class Cells { Occupied, Free };
+
+/// One cube list per depth of the tree: id = depth, empty lists delete theirs. Occupied cells are coloured by height.
+visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const octomap::OcTree& tree, Cells cells,
+                                          const Eigen::Isometry3d& T_M_G);
+
+/// Centres of the occupied cells.
+sensor_msgs::PointCloud2 toCellCentres(const std_msgs::Header& header, const octomap::OcTree& tree);
+
+/// Columns seen from above: 100 where any cell is occupied, else 0 where any is free, else -1.
+nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree,
+                                       const Eigen::Isometry3d& T_M_G);
+
+}  // namespace flight_corridor_ros

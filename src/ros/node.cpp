@@ -1,0 +1,112 @@
+#include "ros/node.hpp"
+
+#include <ros/console.h>
+
+#include <cmath>
+#include <exception>
+
+namespace flight_corridor_ros {
+
+namespace {
+
+using flight_corridor::Report;
+
+constexpr double kWatchdogPeriod_s = 0.1;
+
+double wallSeconds() { return ros::WallTime::now().toSec(); }
+
+const char* ageRemedy() {
+  return ros::Time::isSimTime()
+             ? "use_sim_time is set: play the bag with --clock"
+             : "for a bag set use_sim_time and play it with --clock; for cameras synchronise the clocks";
+}
+
+}  // namespace
+
+Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+    : config_(makeConfig(readParameters(private_node))),
+      publishers_(private_node, config_.core),
+      transforms_(node),
+      inbox_(static_cast<std::size_t>(config_.ros.range_queue)),
+      processor_(config_, transforms_, inbox_),
+      diagnostics_(node, private_node),
+      answered_wall_s_(wallSeconds()),
+      stereo_(node, config_.ros, [this](const StereoMessages& pair) { receive(pair); }),
+      range_(ros::NodeHandle(node).subscribe<sensor_msgs::Range>(
+          "range", static_cast<std::uint32_t>(config_.ros.range_queue),
+          [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
+      watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
+      worker_([this] { work(); }) {}
+
+Node::~Node() {
+  inbox_.close();
+  worker_.join();
+}
+
+void Node::receive(const StereoMessages& pair) {
+  diagnostics_.countPair();
+  inbox_.put(pair);
+}
+
+void Node::work() {
+  while (const auto pair = inbox_.take()) {
+    try {
+      answer(*pair);
+    } catch (const std::exception& error) {  // of a library; the watchdog speaks instead
+      ROS_ERROR("no verdict: %s", error.what());
+    }
+  }
+}
+
+void Node::answer(const StereoMessages& pair) {
+  const std_msgs::Header& header = pair.left->header;
+  {
+    const std::lock_guard<std::mutex> lock(camera_frame_mutex_);
+    camera_frame_ = header.frame_id;
+  }
+  if (!isFresh(header.stamp)) return publish(header, refusal(header.stamp, flight_corridor::kNoData));
+  const Report& report = processor_.process(pair);
+  if (!isFresh(header.stamp)) return publish(header, refusal(header.stamp, flight_corridor::kNoData));
+  publish(header, report);
+  if (auto* pipeline = processor_.products()) {
+    publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, inbox_.newestRange());
+  } else {
+    publishers_.removeBox(header);
+  }
+}
+
+void Node::publish(const std_msgs::Header& header, const Report& report) {
+  publishers_.publishVerdict(header, report);
+  answered_wall_s_ = wallSeconds();
+  diagnostics_.record(report, processor_.counters(), ros::Time::now().toSec() - header.stamp.toSec());
+}
+
+/// Also stamps from the future are no fresh data: clocks that differ would hide how old it is.
+bool Node::isFresh(const ros::Time& stamp) {
+  const double age_s = ros::Time::now().toSec() - stamp.toSec();
+  if (std::abs(age_s) <= config_.core.corridor.max_age_s) return true;
+  if (age_warning_.due()) {
+    ROS_WARN("stereo pair is %.3f s old, outside +-%.3f s (corridor/max_age_s): UNKNOWN. %s", age_s,
+             config_.core.corridor.max_age_s, ageRemedy());
+  }
+  return false;
+}
+
+void Node::guard() {
+  const double silent_s = wallSeconds() - answered_wall_s_;
+  if (silent_s <= config_.ros.watchdog_s) return;
+  std_msgs::Header header;
+  header.stamp = ros::Time::now();
+  {
+    const std::lock_guard<std::mutex> lock(camera_frame_mutex_);
+    header.frame_id = camera_frame_;
+  }
+  publishers_.publishVerdict(header, refusal(header.stamp, flight_corridor::kNoData));
+  publishers_.removeBox(header);
+  if (silence_warning_.due()) {
+    ROS_WARN("no stereo pair answered for %.1f s: UNKNOWN. Needed with %s stamps: %s", silent_s,
+             config_.ros.approximate_sync ? "similar" : "equal", stereo_.topics().c_str());
+  }
+}
+
+}  // namespace flight_corridor_ros

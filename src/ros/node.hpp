@@ -1,0 +1,58 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <sensor_msgs/Range.h>
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "ros/diagnostics.hpp"
+#include "ros/heartbeat.hpp"
+#include "ros/inbox.hpp"
+#include "ros/params.hpp"
+#include "ros/processor.hpp"
+#include "ros/publishers.hpp"
+#include "ros/stereo_subscriber.hpp"
+#include "ros/transforms.hpp"
+
+namespace flight_corridor_ros {
+
+/// The pipeline on ROS topics. Three threads: callbacks fill the inbox, one worker owns the pipeline, and a watchdog
+/// publishes UNKNOWN while no verdict comes.
+class Node {
+ public:
+  /// @throws std::invalid_argument listing everything that is wrong with the parameters.
+  Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  ~Node();
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+ private:
+  void receive(const StereoMessages& pair);
+  void work();
+  void answer(const StereoMessages& pair);
+  void publish(const std_msgs::Header& header, const flight_corridor::Report& report);
+  bool isFresh(const ros::Time& stamp);
+  void guard();
+
+  const NodeConfig config_;
+  Publishers publishers_;
+  Transforms transforms_;
+  Inbox inbox_;
+  Processor processor_;
+  Diagnostics diagnostics_;
+  Throttle age_warning_, silence_warning_;
+
+  std::mutex camera_frame_mutex_;
+  std::string camera_frame_;  // for the watchdog
+  std::atomic<double> answered_wall_s_;
+
+  StereoSubscriber stereo_;
+  ros::Subscriber range_;
+  Heartbeat watchdog_;
+  std::thread worker_;  // last: nothing after it may throw
+};
+
+}  // namespace flight_corridor_ros

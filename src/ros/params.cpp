@@ -1,0 +1,187 @@
+#include "ros/params.hpp"
+
+#include <map>
+#include <variant>
+
+namespace flight_corridor_ros {
+
+namespace {
+
+using flight_corridor::Rules;
+using flight_corridor::Violations;
+using Field = std::variant<double*, int*, bool*, std::string*, Eigen::Vector3d*>;
+using Fields = std::map<std::string, Field>;
+
+// The one place where a key meets its field.
+
+Fields bind(flight_corridor::StereoConfig& c) {
+  return {{"mode", &c.mode},
+          {"num_disparities_px", &c.num_disparities_px},
+          {"block_size_px", &c.block_size_px},
+          {"smoothness_small", &c.smoothness_small},
+          {"smoothness_large", &c.smoothness_large},
+          {"uniqueness_percent", &c.uniqueness_percent},
+          {"left_right_max_px", &c.left_right_max_px},
+          {"speckle_window_px", &c.speckle_window_px},
+          {"speckle_range_px", &c.speckle_range_px},
+          {"texture_min", &c.texture_min},
+          {"wls_lambda", &c.wls_lambda},
+          {"wls_sigma", &c.wls_sigma},
+          {"wls_min_confidence", &c.wls_min_confidence},
+          {"min_matched_fraction", &c.min_matched_fraction}};
+}
+
+Fields bind(flight_corridor::LidarConfig& c) {
+  return {{"min_range_m", &c.min_range_m},
+          {"max_range_m", &c.max_range_m},
+          {"min_beam_width_rad", &c.min_beam_width_rad},
+          {"min_valid_fraction", &c.min_valid_fraction}};
+}
+
+Fields bind(flight_corridor::FusionConfig& c) {
+  return {{"acceleration_sigma_mps2", &c.acceleration_sigma_mps2},
+          {"lidar_variance_m2", &c.lidar_variance_m2},
+          {"stereo_variance_m2", &c.stereo_variance_m2},
+          {"disparity_sigma_px", &c.disparity_sigma_px},
+          {"gate_sigma", &c.gate_sigma},
+          {"lasting_s", &c.lasting_s},
+          {"max_gap_s", &c.max_gap_s},
+          {"buffer_s", &c.buffer_s}};
+}
+
+Fields bind(flight_corridor::ScaleConfig& c) {
+  return {{"enabled", &c.enabled},
+          {"max_correction", &c.max_correction},
+          {"prior_sigma", &c.prior_sigma},
+          {"offset_prior_sigma_px", &c.offset_prior_sigma_px},
+          {"drift_sigma_per_sqrt_s", &c.drift_sigma_per_sqrt_s},
+          {"gate_sigma", &c.gate_sigma}};
+}
+
+Fields bind(flight_corridor::CloudConfig& c) {
+  return {{"max_range_m", &c.max_range_m},
+          {"min_neighbours", &c.min_neighbours},
+          {"disparity_sigma_px", &c.disparity_sigma_px}};
+}
+
+Fields bind(flight_corridor::MapConfig& c) {
+  return {{"frame_id", &c.frame_id},
+          {"resolution_m", &c.resolution_m},
+          {"max_range_m", &c.max_range_m},
+          {"hit_fraction", &c.hit_fraction},
+          {"min_hit_points", &c.min_hit_points},
+          {"free_band_px", &c.free_band_px},
+          {"min_ray_fraction", &c.min_ray_fraction},
+          {"log_odds_hit", &c.log_odds_hit},
+          {"log_odds_miss", &c.log_odds_miss},
+          {"log_odds_min", &c.log_odds_min},
+          {"log_odds_max", &c.log_odds_max}};
+}
+
+Fields bind(flight_corridor::CorridorConfig& c) {
+  return {{"frame_id", &c.frame_id}, {"width_m", &c.width_m},
+          {"height_m", &c.height_m}, {"length_m", &c.length_m},
+          {"offset_m", &c.offset_m}, {"margin_m", &c.margin_m},
+          {"blind_m", &c.blind_m},   {"max_unknown_fraction", &c.max_unknown_fraction},
+          {"hold_s", &c.hold_s},     {"max_age_s", &c.max_age_s}};
+}
+
+Fields bind(RosConfig& c) {
+  return {{"approximate_sync", &c.approximate_sync}, {"sync_slop_s", &c.sync_slop_s}, {"sync_queue", &c.sync_queue},
+          {"range_queue", &c.range_queue},           {"watchdog_s", &c.watchdog_s},   {"tf_timeout_s", &c.tf_timeout_s},
+          {"image_transport", &c.image_transport}};
+}
+
+Fields bind(NodeConfig& config) {
+  Fields all;
+  const auto add = [&all](const std::string& section, const Fields& fields) {
+    for (const auto& [name, field] : fields) all.emplace(section + "/" + name, field);
+  };
+  add("stereo", bind(config.core.stereo));
+  add("lidar", bind(config.core.lidar));
+  add("fusion", bind(config.core.fusion));
+  add("scale", bind(config.core.scale));
+  add("cloud", bind(config.core.cloud));
+  add("map", bind(config.core.map));
+  add("corridor", bind(config.core.corridor));
+  add("ros", bind(config.ros));
+  return all;
+}
+
+/// Puts a value into its field.  @return the type that the field wants; "" when the value has it.
+struct Assign {
+  const Value& value;
+
+  std::string operator()(double* field) const {
+    if (const int* integer = std::get_if<int>(&value)) return *field = *integer, "";
+    return exactly(field, "a number");
+  }
+  std::string operator()(int* field) const { return exactly(field, "an integer"); }
+  std::string operator()(bool* field) const { return exactly(field, "true or false"); }
+  std::string operator()(std::string* field) const { return exactly(field, "a text"); }
+  std::string operator()(Eigen::Vector3d* field) const {
+    const auto* list = std::get_if<std::vector<double>>(&value);
+    if (!list || list->size() != 3) return "a list of three numbers";
+    *field = Eigen::Vector3d((*list)[0], (*list)[1], (*list)[2]);
+    return "";
+  }
+
+ private:
+  template <typename T>
+  std::string exactly(T* field, const char* wanted) const {
+    const T* same = std::get_if<T>(&value);
+    if (!same) return wanted;
+    *field = *same;
+    return "";
+  }
+};
+
+/// The value of a field.
+struct Read {
+  template <typename T>
+  Value operator()(const T* field) const {
+    return *field;
+  }
+  Value operator()(const Eigen::Vector3d* field) const {
+    return std::vector<double>{field->x(), field->y(), field->z()};
+  }
+};
+
+}  // namespace
+
+Violations check(const RosConfig& config) {
+  Rules rules("ros");
+  rules.require(config.sync_slop_s >= 0.0, "sync_slop_s", "not negative", config.sync_slop_s);
+  rules.require(config.sync_queue >= 1, "sync_queue", "1 or more", config.sync_queue);
+  rules.require(config.range_queue >= 1, "range_queue", "1 or more", config.range_queue);
+  rules.require(config.watchdog_s > 0.0, "watchdog_s", "positive", config.watchdog_s);
+  rules.require(config.tf_timeout_s >= 0.0, "tf_timeout_s", "not negative", config.tf_timeout_s);
+  rules.require(!config.image_transport.empty(), "image_transport", "a transport's name", config.image_transport);
+  return rules.broken();
+}
+
+NodeConfig makeConfig(const Values& values) {
+  NodeConfig config;
+  Violations broken;
+  const Fields fields = bind(config);
+  for (const auto& [key, value] : values) {
+    const auto found = fields.find(key);
+    const std::string wanted = found == fields.end() ? "" : std::visit(Assign{value}, found->second);
+    if (found == fields.end()) broken.push_back(key + ": unknown key (" + describe(value) + ")");
+    if (!wanted.empty()) broken.push_back(key + ": expects " + wanted + " (" + describe(value) + ")");
+  }
+  for (const Violations& section : {flight_corridor::check(config.core), check(config.ros)}) {
+    broken.insert(broken.end(), section.begin(), section.end());
+  }
+  flight_corridor::throwIfBroken(broken);
+  return config;
+}
+
+Values toValues(const NodeConfig& config) {
+  NodeConfig copy = config;
+  Values values;
+  for (const auto& [key, field] : bind(copy)) values[key] = std::visit(Read{}, field);
+  return values;
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "flight_corridor/pipeline.hpp"
+#include "ros/values.hpp"
+
+namespace flight_corridor_ros {
+
+/// Section `ros/`: what only the shell needs.
+struct RosConfig {
+  bool approximate_sync = false;        ///< Pair images whose stamps differ; false: equal stamps only.
+  double sync_slop_s = 0.01;            ///< Largest difference within a pair when approximate_sync.
+  int sync_queue = 10;                  ///< Images and CameraInfos that wait for their partners, per topic.
+  int range_queue = 200;                ///< LiDAR readings that wait for the next pair.
+  double watchdog_s = 0.5;              ///< Without a verdict for so long, UNKNOWN is published.
+  double tf_timeout_s = 0.05;           ///< Wait for a pose at an image's stamp.
+  std::string image_transport = "raw";  ///< Transport of the images that come in.
+};
+flight_corridor::Violations check(const RosConfig& config);
+
+/// The whole configuration: the core's sections and the shell's.
+struct NodeConfig {
+  flight_corridor::Config core;
+  RosConfig ros;
+};
+
+/// Configuration with these values, defaults elsewhere. An int is accepted where a double is expected, not the reverse.
+/// @throws std::invalid_argument listing every unknown key, wrong type and broken rule, with key, rule and value.
+NodeConfig makeConfig(const Values& values);
+
+/// Every parameter of a configuration.
+Values toValues(const NodeConfig& config);
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,68 @@
+#include "ros/processor.hpp"
+
+#include <ros/console.h>
+
+#include <stdexcept>
+
+#include "ros/conversions.hpp"
+
+namespace flight_corridor_ros {
+
+namespace {
+
+constexpr std::uint32_t kRefused =
+    flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
+
+}  // namespace
+
+flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
+  flight_corridor::Report report;
+  report.verdict.stamp_s = stamp.toSec();
+  report.verdict.reasons = reasons;
+  return report;
+}
+
+const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
+  const std_msgs::Header& header = pair.left->header;
+  forgetWhenTimeJumpsBack(header.stamp);
+  has_products_ = false;
+  const auto lidar = inbox_.newestRange();
+  if (const std::uint32_t reasons = rig_.fit(pair, lidar ? lidar->header.frame_id : "")) {
+    return report_ = refusal(header.stamp, reasons);
+  }
+  for (const auto& range : inbox_.takeRanges(header.stamp)) rig_->addRange(toReading(*range));
+  left_ = readImage(pair.left);
+  const auto right = readImage(pair.right);
+  report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
+  has_products_ = !(report_.verdict.reasons & kRefused);
+  return report_;
+}
+
+void Processor::forgetWhenTimeJumpsBack(const ros::Time& stamp) {
+  if (stamp < newest_stamp_ && rig_) {
+    ROS_INFO("time jumped back by %.3f s: starting anew", newest_stamp_.toSec() - stamp.toSec());
+    rig_->reset();
+  }
+  newest_stamp_ = stamp;
+}
+
+std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& header) {
+  const std::string& map_frame = config_.core.map.frame_id;
+  if (map_frame.empty()) return std::nullopt;
+  const auto T_W_C = transforms_.find(map_frame, header.frame_id, header.stamp, config_.ros.tf_timeout_s);
+  if (!T_W_C && pose_warning_.due()) {
+    ROS_WARN("tf gave no pose of \"%s\" in \"%s\" (map/frame_id) at %.3f within %.3f s (ros/tf_timeout_s): UNKNOWN",
+             header.frame_id.c_str(), map_frame.c_str(), header.stamp.toSec(), config_.ros.tf_timeout_s);
+  }
+  return T_W_C;
+}
+
+/// An empty image when the message is none: the pipeline answers BAD_IMAGE.
+cv_bridge::CvImageConstPtr Processor::readImage(const sensor_msgs::ImageConstPtr& message) try {
+  return toGrey(message);
+} catch (const std::invalid_argument& error) {
+  if (image_warning_.due()) ROS_ERROR("%s", error.what());
+  return boost::make_shared<cv_bridge::CvImage>();
+}
+
+}  // namespace flight_corridor_ros

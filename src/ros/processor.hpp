@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cv_bridge/cv_bridge.h>
+
+#include <optional>
+
+#include "flight_corridor/pipeline.hpp"
+#include "ros/inbox.hpp"
+#include "ros/params.hpp"
+#include "ros/rig_pipeline.hpp"
+#include "ros/transforms.hpp"
+
+namespace flight_corridor_ros {
+
+/// The answer to a stereo pair that could not be processed.
+flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons);
+
+/// From messages to verdicts: the part of the node that needs neither a master nor a clock. One thread.
+class Processor {
+ public:
+  /// @param inbox where the LiDAR readings wait.
+  Processor(const NodeConfig& config, const Transforms& transforms, Inbox& inbox)
+      : config_(config), transforms_(transforms), inbox_(inbox), rig_(config.core, transforms) {}
+
+  /// The verdict for one pair; a stamp before the last pair's starts everything anew.
+  const flight_corridor::Report& process(const StereoMessages& pair);
+
+  /// Holds the last pair's products; null when that pair was refused and has none.
+  flight_corridor::Pipeline* products() { return has_products_ ? &*rig_ : nullptr; }
+  /// The last pair's left image, CV_8UC1; empty when it could not be read.
+  const cv::Mat& left() const { return left_->image; }
+  /// Of the present pipeline; all 0 without one.
+  flight_corridor::Counters counters() { return rig_ ? rig_->counters() : flight_corridor::Counters(); }
+
+ private:
+  void forgetWhenTimeJumpsBack(const ros::Time& stamp);
+  std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
+  cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message);
+
+  const NodeConfig config_;
+  const Transforms& transforms_;
+  Inbox& inbox_;
+  RigPipeline rig_;
+  flight_corridor::Report report_;
+  cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
+  bool has_products_ = false;
+  ros::Time newest_stamp_;
+  Throttle image_warning_, pose_warning_;
+};
+
+}  // namespace flight_corridor_ros

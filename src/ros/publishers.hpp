@@ -1,0 +1,47 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Range.h>
+
+#include <map>
+#include <string>
+
+#include "flight_corridor/pipeline.hpp"
+
+namespace flight_corridor_ros {
+
+/// The node's private topics. Messages are made only for those who listen.
+class Publishers {
+ public:
+  Publishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config);
+
+  /// ~corridor and ~free.  @param header the left image's. Any thread.
+  void publishVerdict(const std_msgs::Header& header, const flight_corridor::Report& report);
+
+  /// What the verdict came from: everything else.
+  /// @param left CV_8UC1.   @param lidar newest message of the LiDAR; null: ~range_fused has no frame to be in.
+  void publishProducts(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header, const cv::Mat& left,
+                       flight_corridor::Pipeline& pipeline, const flight_corridor::Report& report,
+                       const sensor_msgs::RangeConstPtr& lidar);
+
+  /// Takes the box from the screen: nobody knows whether it is free.
+  void removeBox(const std_msgs::Header& header);
+
+ private:
+  /// Publishes make() if anybody listens to the topic.
+  template <typename Make>
+  void publish(const std::string& topic, Make make);
+  void publishImages(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header, const cv::Mat& left,
+                     const flight_corridor::Pipeline& pipeline, const flight_corridor::Report& report);
+  void publishMap(const std_msgs::Header& header, const flight_corridor::Pipeline& pipeline,
+                  const flight_corridor::Report& report);
+
+  std::string map_frame_;
+  Eigen::Isometry3d T_M_G_;  // z up in the map's frame
+  Eigen::Vector3d box_size_m_;
+  std::map<std::string, ros::Publisher> publishers_;
+  cv::Mat overlay_;
+};
+
+}  // namespace flight_corridor_ros

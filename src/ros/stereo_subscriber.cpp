@@ -1,0 +1,45 @@
+#include "ros/stereo_subscriber.hpp"
+
+#include <utility>
+
+namespace flight_corridor_ros {
+
+StereoSubscriber::StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
+                                   std::function<void(const StereoMessages&)> callback)
+    : callback_(std::move(callback)), transport_(node) {
+  ros::NodeHandle handle(node);
+  const auto queue = static_cast<std::uint32_t>(config.sync_queue);
+  // Transport plugins write parameters of their own: not into the private namespace, where every key must be known.
+  const image_transport::TransportHints hints(config.image_transport, ros::TransportHints().tcpNoDelay(),
+                                              ros::NodeHandle(node, "image_transport"));
+  left_.subscribe(transport_, "left/image_rect", queue, hints);
+  right_.subscribe(transport_, "right/image_rect", queue, hints);
+  left_info_.subscribe(handle, "left/camera_info", queue);
+  right_info_.subscribe(handle, "right/camera_info", queue);
+  if (config.approximate_sync) {
+    Approximate policy(queue);
+    policy.setMaxIntervalDuration(ros::Duration(config.sync_slop_s));
+    connect(approximate_.emplace(std::move(policy)));
+  } else {
+    connect(exact_.emplace(Exact(queue)));
+  }
+}
+
+template <typename Sync>
+void StereoSubscriber::connect(Sync& sync) {
+  sync.setReset(true);
+  sync.connectInput(left_, left_info_, right_, right_info_);
+  sync.registerCallback(&StereoSubscriber::receive, this);
+}
+
+void StereoSubscriber::receive(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
+                               const sensor_msgs::ImageConstPtr& right,
+                               const sensor_msgs::CameraInfoConstPtr& right_info) {
+  callback_({left, left_info, right, right_info});
+}
+
+std::string StereoSubscriber::topics() const {
+  return left_.getTopic() + ", " + left_info_.getTopic() + ", " + right_.getTopic() + ", " + right_info_.getTopic();
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <image_transport/subscriber_filter.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/sync_policies/approximate_time.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "ros/params.hpp"
+
+namespace flight_corridor_ros {
+
+/// One stereo pair as it came.
+struct StereoMessages {
+  sensor_msgs::ImageConstPtr left;
+  sensor_msgs::CameraInfoConstPtr left_info;
+  sensor_msgs::ImageConstPtr right;
+  sensor_msgs::CameraInfoConstPtr right_info;
+};
+
+/// Stereo pairs of left/ and right/ image_rect and camera_info, by equal or similar stamps. Survives looping bags.
+class StereoSubscriber {
+ public:
+  StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
+                   std::function<void(const StereoMessages&)> callback);
+
+  /// The topics' full names, for messages.
+  std::string topics() const;
+
+ private:
+  using Exact = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo,
+                                                          sensor_msgs::Image, sensor_msgs::CameraInfo>;
+  using Approximate = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::CameraInfo,
+                                                                      sensor_msgs::Image, sensor_msgs::CameraInfo>;
+
+  template <typename Sync>
+  void connect(Sync& sync);
+  void receive(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
+               const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info);
+
+  std::function<void(const StereoMessages&)> callback_;
+  image_transport::ImageTransport transport_;
+  image_transport::SubscriberFilter left_, right_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> left_info_, right_info_;
+  std::optional<message_filters::Synchronizer<Exact>> exact_;
+  std::optional<message_filters::Synchronizer<Approximate>> approximate_;
+};
+
+}  // namespace flight_corridor_ros

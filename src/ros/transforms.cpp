@@ -1,0 +1,31 @@
+#include "ros/transforms.hpp"
+
+#include <tf2_eigen/tf2_eigen.h>
+
+namespace flight_corridor_ros {
+
+namespace {
+
+/// tf's first generation began frame names with a slash, and old bags still do; tf2 refuses it.
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::string source, const ros::Time& stamp,
+                                                  double timeout_s) const {
+  target = withoutSlash(target);
+  source = withoutSlash(source);
+  if (target.empty() || source.empty()) return std::nullopt;
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  const ros::WallDuration pause(0.001);
+  while (!buffer_.canTransform(target, source, stamp) && ros::WallTime::now() < deadline) pause.sleep();
+  try {
+    return tf2::transformToEigen(buffer_.lookupTransform(target, source, stamp));
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,126 @@
+#include "ros/values.hpp"
+
+#include <XmlRpcValue.h>
+#include <yaml-cpp/yaml.h>
+
+#include <stdexcept>
+
+namespace flight_corridor_ros {
+
+namespace {
+
+struct Describe {
+  std::string operator()(std::monostate) const { return "of a type that no parameter has"; }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(int value) const { return std::to_string(value); }
+  std::string operator()(double value) const { return YAML::Dump(YAML::Node(value)); }
+  std::string operator()(const std::string& value) const { return "\"" + value + "\""; }
+  std::string operator()(const std::vector<double>& value) const {
+    return "a list of " + std::to_string(value.size()) + " numbers";
+  }
+};
+
+template <typename T>
+bool convert(const YAML::Node& node, Value& value) {
+  T converted;
+  if (!YAML::convert<T>::decode(node, converted)) return false;
+  value = converted;
+  return true;
+}
+
+Value toValue(const YAML::Node& node) {
+  Value value;
+  if (node.IsSequence()) {
+    convert<std::vector<double>>(node, value);
+  } else if (node.IsScalar()) {
+    const bool quoted = node.Tag() == "!";  // "5" is a text, 5 a number
+    if (quoted || !(convert<bool>(node, value) || convert<int>(node, value) || convert<double>(node, value))) {
+      value = node.Scalar();
+    }
+  }
+  return value;
+}
+
+Value toValue(XmlRpc::XmlRpcValue& node);
+
+/// Numbers of a list; monostate when it holds anything else.
+Value toList(XmlRpc::XmlRpcValue& node) {
+  std::vector<double> numbers;
+  for (int i = 0; i < node.size(); ++i) {
+    const Value value = toValue(node[i]);
+    const int* integer = std::get_if<int>(&value);
+    const double* real = std::get_if<double>(&value);
+    if (!integer && !real) return std::monostate();
+    numbers.push_back(integer ? *integer : *real);
+  }
+  return numbers;
+}
+
+Value toValue(XmlRpc::XmlRpcValue& node) {
+  switch (node.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(node);
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return static_cast<int>(node);
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return static_cast<double>(node);
+    case XmlRpc::XmlRpcValue::TypeString:
+      return static_cast<std::string>(node);
+    case XmlRpc::XmlRpcValue::TypeArray:
+      return toList(node);
+    default:
+      return std::monostate();
+  }
+}
+
+std::string joined(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "/" + name;
+}
+
+void flatten(const YAML::Node& node, const std::string& key, Values& values) {
+  if (!node.IsMap()) {
+    values[key] = toValue(node);
+    return;
+  }
+  for (const auto& child : node) flatten(child.second, joined(key, child.first.as<std::string>()), values);
+}
+
+void flatten(XmlRpc::XmlRpcValue& node, const std::string& key, Values& values) {
+  if (node.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    values[key] = toValue(node);
+    return;
+  }
+  for (auto& child : node) flatten(child.second, joined(key, child.first), values);
+}
+
+}  // namespace
+
+std::string describe(const Value& value) { return std::visit(Describe{}, value); }
+
+Values readYaml(const std::string& path) try {
+  const YAML::Node file = YAML::LoadFile(path);
+  if (!file.IsMap()) throw std::invalid_argument(path + ": no map of parameters");
+  Values values;
+  flatten(file, "", values);
+  return values;
+} catch (const YAML::Exception& error) {
+  throw std::invalid_argument(path + ": " + error.what());
+}
+
+Values readParameters(const ros::NodeHandle& private_node) {
+  Values values;
+  XmlRpc::XmlRpcValue tree;
+  if (private_node.getParam(private_node.getNamespace(), tree)) flatten(tree, "", values);
+  return values;
+}
+
+void setParameter(Values& values, const std::string& key_and_value) try {
+  const std::size_t split = key_and_value.find('=');
+  if (split == 0 || split == std::string::npos) throw std::invalid_argument(key_and_value + ": expects key=value");
+  const std::string text = key_and_value.substr(split + 1);
+  values[key_and_value.substr(0, split)] = text.empty() ? Value(text) : toValue(YAML::Load(text));
+} catch (const YAML::Exception& error) {
+  throw std::invalid_argument(key_and_value + ": " + error.what());
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,84 @@
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <stdexcept>
+
+#include "tools/command_line.hpp"
+#include "tools/replayer.hpp"
+#include "tools/score.hpp"
+#include "tools/stereo_bag.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+constexpr double kMaxDriftSigma = 1.0;  // between halves: a quarter of the variance; a ramp gives 1.7, a step 2
+
+void check(const SampleStatistics& statistics, std::size_t wanted, const char* what) {
+  if (statistics.count < 2) throw std::runtime_error(std::string("fewer than two samples of ") + what);
+  if (statistics.count < wanted) {
+    std::cerr << "characterize_noise: warning: only " << statistics.count << " of " << wanted << " samples of " << what
+              << "\n";
+  }
+  if (!(statistics.drift_m <= kMaxDriftSigma * std::sqrt(statistics.variance_m2))) {
+    std::cerr << "characterize_noise: warning: " << what << " drifts by " << statistics.drift_m
+              << " m between the recording's halves: was it static?\n";
+  }
+}
+
+void print(const char* key, const SampleStatistics& statistics, const char* what) {
+  std::printf("  %s: %.9g  # [m2] of %zu samples of %s, mean %.4f m\n", key, statistics.variance_m2, statistics.count,
+              what, statistics.mean_m);
+}
+
+/// D_c and d_L of each pair, as many as wanted of each.
+struct Samples {
+  std::vector<double> stereo_m, lidar_m;
+};
+
+Samples collect(const StereoBagReader& bag, const flight_corridor_ros::NodeConfig& config, std::size_t wanted) {
+  Samples samples;
+  const auto keep = [wanted](double range_m, std::vector<double>& kept_m) {
+    if (std::isfinite(range_m) && kept_m.size() < wanted) kept_m.push_back(range_m);
+  };
+  Progress progress("characterize_noise", bag.leftImages());
+  Replayer(bag, config).run([&](const Answer& answer) {
+    keep(answer.report.range_stereo_m, samples.stereo_m);
+    keep(answer.report.range_lidar_m, samples.lidar_m);
+    progress.advance();
+  });
+  return samples;
+}
+
+int characterizeNoise(const CommandLine& options) {
+  const auto wanted = static_cast<std::size_t>(options.integer("samples", 2));
+  flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
+  config.core.scale.enabled = false;  // it would pull D_c to d_L
+  const StereoBagReader bag(options.text("bag"), topicsFrom(options));
+  const Samples samples = collect(bag, config, wanted);
+  const SampleStatistics stereo = statistics(samples.stereo_m), lidar = statistics(samples.lidar_m);
+  check(stereo, wanted, "D_c");
+  std::printf("fusion:\n");
+  if (bag.hasRanges()) {
+    check(lidar, wanted, "d_L");
+    print("lidar_variance_m2", lidar, "d_L");
+  }
+  print("stereo_variance_m2", stereo, "D_c");
+  return 0;
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools
+
+int main(int argc, char** argv) {
+  using namespace flight_corridor::tools;
+  CommandLine options("characterize_noise", "Measures the noise of both ranges from a bag in which nothing moves.");
+  options.required("bag", "F.bag", "static recording")
+      .optional("samples", "N", "samples to use of each range", "150")
+      .optional("config", "C.yaml", "configuration of the node; default: its defaults")
+      .repeatable("set", "key=value", "overrides one key, e.g. stereo/mode=sgbm");
+  declareTopics(options);
+  options.notes(
+      "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
+      "configuration, with scale correction switched off. stereo_variance_m2 adds to what disparity_sigma_px gives.");
+  return runTool(options, argc, argv, [&] { return characterizeNoise(options); });
+}

@@ -1,0 +1,224 @@
+#include "tools/csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+namespace flight_corridor::tools {
+namespace {
+
+struct NumberColumn {
+  const char* name;
+  int decimals;
+  double& (*cell)(ResultRow& row);
+};
+
+const std::array<NumberColumn, 13> kResultColumns{{
+    {"clear_distance_m", 6, [](ResultRow& row) -> double& { return row.clear_distance_m; }},
+    {"range_fused_m", 6, [](ResultRow& row) -> double& { return row.range_fused_m; }},
+    {"range_fused_sigma_m", 6, [](ResultRow& row) -> double& { return row.range_fused_sigma_m; }},
+    {"range_lidar_m", 6, [](ResultRow& row) -> double& { return row.range_lidar_m; }},
+    {"range_stereo_m", 6, [](ResultRow& row) -> double& { return row.range_stereo_m; }},
+    {"scale", 6, [](ResultRow& row) -> double& { return row.scale; }},
+    {"unknown_fraction", 6, [](ResultRow& row) -> double& { return row.unknown_fraction; }},
+    {"stereo_ms", 3, [](ResultRow& row) -> double& { return row.times.stereo_ms; }},
+    {"fusion_ms", 3, [](ResultRow& row) -> double& { return row.times.fusion_ms; }},
+    {"cloud_ms", 3, [](ResultRow& row) -> double& { return row.times.cloud_ms; }},
+    {"map_ms", 3, [](ResultRow& row) -> double& { return row.times.map_ms; }},
+    {"corridor_ms", 3, [](ResultRow& row) -> double& { return row.times.corridor_ms; }},
+    {"total_ms", 3, [](ResultRow& row) -> double& { return row.times.total_ms; }},
+}};
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else if (c != '\r') {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+std::string formatNumber(double value, int decimals) {
+  if (std::isnan(value)) return "nan";  // printf may write "-nan"
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+std::ofstream openForWriting(const std::string& path) {
+  std::ofstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+  return file;
+}
+
+void closeWritten(std::ofstream& file, const std::string& path) {
+  file.close();
+  if (!file) throw std::runtime_error(path + ": writing failed (disk full?)");
+}
+
+State parseState(const CsvTable& table, std::size_t row) {
+  for (const State state : {State::Unknown, State::Free, State::Blocked}) {
+    if (table.text(row, "state") == toString(state)) return state;
+  }
+  table.fail(row, "state", "must be FREE, BLOCKED or UNKNOWN");
+}
+
+double knownDistance(const CsvTable& table, std::size_t row, const char* column) {
+  const double distance_m = table.number(row, column);
+  if (!(distance_m >= 0.0)) table.fail(row, column, "truth must be a distance >= 0 or inf");
+  return distance_m;
+}
+
+bool isDigits(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
+
+std::string formatStamp(const ros::Time& stamp) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%u.%09u", stamp.sec, stamp.nsec);
+  return text.data();
+}
+
+ros::Time parseStamp(const std::string& text) {
+  const std::size_t point = text.find('.');
+  const std::string seconds = text.substr(0, point);
+  std::string decimals = point == std::string::npos ? "0" : text.substr(point + 1);
+  if (!isDigits(seconds) || !isDigits(decimals) || seconds.size() > 10 || decimals.size() > 9) {
+    throw std::invalid_argument("'" + text + "' is no stamp of the form sec.nanosec");
+  }
+  decimals.resize(9, '0');
+  const unsigned long long sec = std::stoull(seconds);
+  if (sec > std::numeric_limits<std::uint32_t>::max())
+    throw std::invalid_argument("'" + text + "' is beyond ros::Time");
+  return {static_cast<std::uint32_t>(sec), static_cast<std::uint32_t>(std::stoul(decimals))};
+}
+
+CsvTable::CsvTable(const std::string& path) : path_(path) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be read");
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (line.empty() || line.front() == '#') continue;
+    std::vector<std::string> cells = split(line);
+    if (header_.empty()) {
+      header_ = std::move(cells);
+    } else if (cells.size() == header_.size()) {
+      rows_.push_back(std::move(cells));
+      lines_.push_back(number);
+    } else {
+      throw std::runtime_error(path + ":" + std::to_string(number) + ": " + std::to_string(cells.size()) +
+                               " cells, the header has " + std::to_string(header_.size()));
+    }
+  }
+  if (header_.empty()) throw std::runtime_error(path + ": no header line");
+}
+
+bool CsvTable::has(const std::string& column) const {
+  return std::find(header_.begin(), header_.end(), column) != header_.end();
+}
+
+std::size_t CsvTable::index(const std::string& column) const {
+  const auto found = std::find(header_.begin(), header_.end(), column);
+  if (found == header_.end()) throw std::runtime_error(path_ + ": no column '" + column + "'");
+  return static_cast<std::size_t>(found - header_.begin());
+}
+
+const std::string& CsvTable::text(std::size_t row, const std::string& column) const {
+  return rows_.at(row)[index(column)];
+}
+
+double CsvTable::number(std::size_t row, const std::string& column) const {
+  const std::string& cell = text(row, column);
+  char* end = nullptr;
+  const double value = std::strtod(cell.c_str(), &end);
+  if (cell.empty() || *end != '\0') fail(row, column, "'" + cell + "' is no number");
+  return value;
+}
+
+ros::Time CsvTable::stamp(std::size_t row, const std::string& column) const {
+  try {
+    return parseStamp(text(row, column));
+  } catch (const std::invalid_argument& error) {
+    fail(row, column, error.what());
+  }
+}
+
+void CsvTable::fail(std::size_t row, const std::string& column, const std::string& what) const {
+  throw std::runtime_error(path_ + ":" + std::to_string(lines_.at(row)) + ": column '" + column + "': " + what);
+}
+
+ResultRow resultRow(const ros::Time& stamp, const Report& report) {
+  ResultRow row;
+  row.stamp = stamp;
+  row.state = report.verdict.state;
+  row.clear_distance_m = report.verdict.clear_distance_m;
+  row.range_fused_m = report.range.range_m;
+  row.range_fused_sigma_m = report.range.sigma_m;
+  row.range_lidar_m = report.range_lidar_m;
+  row.range_stereo_m = report.range_stereo_m;
+  row.scale = report.scale;
+  row.unknown_fraction = report.verdict.unknown_fraction;
+  row.times = report.times;
+  return row;
+}
+
+void writeResults(const std::string& path, const std::vector<ResultRow>& rows) {
+  std::ofstream file = openForWriting(path);
+  file << "stamp,state";
+  for (const NumberColumn& column : kResultColumns) file << ',' << column.name;
+  file << '\n';
+  for (ResultRow row : rows) {
+    file << formatStamp(row.stamp) << ',' << toString(row.state);
+    for (const NumberColumn& column : kResultColumns) file << ',' << formatNumber(column.cell(row), column.decimals);
+    file << '\n';
+  }
+  closeWritten(file, path);
+}
+
+void writeTruth(const std::string& path, const std::vector<TruthRow>& rows) {
+  std::ofstream file = openForWriting(path);
+  file << "stamp,clear_exact,clear_shrunk,clear_inflated\n";
+  for (const TruthRow& row : rows) {
+    file << formatStamp(row.stamp);
+    for (const double clear_m : {row.clear_exact_m, row.clear_shrunk_m, row.clear_inflated_m}) {
+      file << ',' << formatNumber(clear_m, 6);
+    }
+    file << '\n';
+  }
+  closeWritten(file, path);
+}
+
+std::vector<ResultRow> readResults(const std::string& path) {
+  const CsvTable table(path);
+  std::vector<ResultRow> rows(table.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].stamp = table.stamp(i, "stamp");
+    rows[i].state = parseState(table, i);
+    for (const NumberColumn& column : kResultColumns) column.cell(rows[i]) = table.number(i, column.name);
+  }
+  return rows;
+}
+
+std::vector<TruthRow> readTruth(const std::string& path) {
+  const CsvTable table(path);
+  std::vector<TruthRow> rows(table.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].stamp = table.stamp(i, "stamp");
+    rows[i].clear_exact_m = knownDistance(table, i, "clear_exact");
+    rows[i].clear_shrunk_m = knownDistance(table, i, "clear_shrunk");
+    rows[i].clear_inflated_m = knownDistance(table, i, "clear_inflated");
+  }
+  return rows;
+}
+
+}  // namespace flight_corridor::tools

@@ -1,0 +1,168 @@
+#include "tools/folder.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "flight_corridor/corridor.hpp"
+#include "tools/csv.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw std::runtime_error(path.string() + ": " + what);
+}
+
+cv::Mat readImage(const std::string& path) {
+  const cv::Mat image = cv::imread(path, cv::IMREAD_ANYCOLOR);
+  if (image.empty()) fail(path, "is no image that can be read");
+  return image;
+}
+
+void requireSize(const cv::Mat& image, cv::Size size, const std::string& path) {
+  if (image.size() == size) return;
+  fail(path, "is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                 ", the recording's first image is " + std::to_string(size.width) + "x" + std::to_string(size.height));
+}
+
+std::vector<ImagePair> listPairs(const fs::path& folder) {
+  const fs::path left = folder / "left";
+  if (!fs::is_directory(left)) fail(left, "no such folder");
+  std::vector<ImagePair> pairs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(left)) {
+    const fs::path right = folder / "right" / entry.path().filename();
+    if (!fs::exists(right)) fail(right, "is missing, but " + entry.path().string() + " is there");
+    pairs.push_back({entry.path().string(), right.string()});
+  }
+  if (pairs.empty()) fail(left, "holds no images");
+  std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) { return a.left < b.left; });
+  return pairs;
+}
+
+double calibrationNumber(const YAML::Node& yaml, const std::string& key) {
+  if (!yaml[key]) throw std::runtime_error("key '" + key + "' is missing");
+  try {
+    return yaml[key].as<double>();
+  } catch (const YAML::Exception&) {
+    throw std::runtime_error("key '" + key + "' is no number");
+  }
+}
+
+StereoCalibration readCalibration(const fs::path& path, cv::Size size) {
+  try {
+    const YAML::Node yaml = YAML::LoadFile(path.string());
+    StereoCalibration calibration;
+    calibration.size_px = size;
+    calibration.fx_px = calibrationNumber(yaml, "fx");
+    calibration.fy_px = calibrationNumber(yaml, "fy");
+    calibration.cx_px = calibrationNumber(yaml, "cx");
+    calibration.cy_px = calibrationNumber(yaml, "cy");
+    calibration.cx_right_px = calibration.cx_px + calibrationNumber(yaml, "doffs");
+    calibration.baseline_m = calibrationNumber(yaml, "baseline");
+    return StereoGeometry(calibration).calibration();  // refuses impossible numbers
+  } catch (const std::exception& error) {
+    fail(path, error.what());
+  }
+}
+
+std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_hz) {
+  const std::vector<ImagePair> pairs = listPairs(folder);
+  std::vector<Stamped<ImagePair>> stamped;
+  const fs::path path = folder / "timestamps.csv";
+  if (!fs::exists(path)) {
+    for (const ImagePair& pair : pairs) stamped.push_back({ros::Time(stamped.size() / rate_hz), pair});
+    return stamped;
+  }
+  const CsvTable table(path.string());
+  if (table.size() != pairs.size()) {
+    fail(path, std::to_string(table.size()) + " stamps, but left/ holds " + std::to_string(pairs.size()) + " images");
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i) stamped.push_back({table.stamp(i, "stamp_s"), pairs[i]});
+  return stamped;
+}
+
+std::vector<Stamped<double>> readRanges(const fs::path& path) {
+  std::vector<Stamped<double>> ranges_m;
+  if (!fs::exists(path)) return ranges_m;
+  const CsvTable table(path.string());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (table.text(i, "range_m").empty()) continue;  // no reading
+    ranges_m.push_back({table.stamp(i, "stamp_s"), table.number(i, "range_m")});
+  }
+  return ranges_m;
+}
+
+std::vector<Stamped<Eigen::Isometry3d>> readPoses(const fs::path& path, const Eigen::Isometry3d& T_C_B) {
+  std::vector<Stamped<Eigen::Isometry3d>> poses_W_B;
+  if (!fs::exists(path)) return poses_W_B;
+  const CsvTable table(path.string());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto number = [&](const char* column) { return table.number(i, column); };
+    const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"), number("qz"));
+    if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) table.fail(i, "qw", "the quaternion's norm is not 1");
+    Eigen::Isometry3d T_W_C(rotation.normalized());
+    T_W_C.translation() = Eigen::Vector3d(number("tx"), number("ty"), number("tz"));
+    poses_W_B.push_back({table.stamp(i, "stamp_s"), T_W_C * T_C_B});
+  }
+  return poses_W_B;
+}
+
+template <typename Value>
+void shift(std::vector<Stamped<Value>>& items, const ros::Duration& by) {
+  for (Stamped<Value>& item : items) item.stamp += by;
+}
+
+ros::Time start(const FolderRecording& recording) {
+  ros::Time first = recording.pairs.front().stamp;
+  for (const auto& range : recording.ranges_m) first = std::min(first, range.stamp);
+  for (const auto& pose : recording.poses_W_B) first = std::min(first, pose.stamp);
+  return first;
+}
+
+}  // namespace
+
+FolderRecording readFolder(const std::string& folder, double rate_hz) {
+  if (!fs::is_directory(folder)) fail(folder, "no such folder");
+  const fs::path path(folder);
+  FolderRecording recording;
+  recording.pairs = stampPairs(path, rate_hz);
+  const cv::Size size = readImage(recording.pairs.front().value.left).size();
+  recording.rig.calibration = readCalibration(path / "calib.yaml", size);
+  recording.rig.T_B_C = opticalFromForward().inverse();
+  recording.ranges_m = readRanges(path / "range.csv");
+  recording.poses_W_B = readPoses(path / "poses.csv", opticalFromForward());
+  if (start(recording) < ros::Time(1, 0)) {
+    shift(recording.pairs, ros::Duration(1, 0));
+    shift(recording.ranges_m, ros::Duration(1, 0));
+    shift(recording.poses_W_B, ros::Duration(1, 0));
+  }
+  return recording;
+}
+
+void writeBag(const FolderRecording& recording, const std::string& bag_path, const std::function<void()>& on_pair) {
+  StereoBagWriter bag(bag_path, recording.rig, start(recording));
+  for (const auto& pose : recording.poses_W_B) bag.writePose(pose.stamp, pose.value);
+  for (const auto& range : recording.ranges_m) {
+    RangeReading reading;
+    reading.range_m = range.value;
+    bag.writeRange(range.stamp, reading);
+  }
+  for (const auto& pair : recording.pairs) {
+    const cv::Mat left = readImage(pair.value.left), right = readImage(pair.value.right);
+    requireSize(left, recording.rig.calibration.size_px, pair.value.left);
+    requireSize(right, recording.rig.calibration.size_px, pair.value.right);
+    bag.writePair(pair.stamp, left, right);
+    on_pair();
+  }
+  bag.close();
+}
+
+}  // namespace flight_corridor::tools

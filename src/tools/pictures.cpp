@@ -1,0 +1,110 @@
+#include "tools/pictures.hpp"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <system_error>
+
+#include "flight_corridor/overlay.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPanelHeight_px = 360;
+
+void makeFolder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw std::runtime_error(path.string() + ": folder cannot be made: " + error.message());
+}
+
+std::string numbered(std::size_t index) {
+  std::array<char, 24> text;
+  std::snprintf(text.data(), text.size(), "%06zu", index);
+  return text.data();
+}
+
+void writeImage(const fs::path& path, const cv::Mat& image) {
+  if (!cv::imwrite(path.string(), image)) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+/// NaN, and what 16 bits do not hold, become 0.
+void toMillimetres(const cv::Mat& depth_m, cv::Mat& depth_mm) {
+  depth_mm.create(depth_m.size(), CV_16UC1);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const float* in = depth_m.ptr<float>(v);
+    auto* out = depth_mm.ptr<std::uint16_t>(v);
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const float mm = in[u] * 1000.0f + 0.5f;
+      out[u] = 1.0f <= mm && mm < 65536.0f ? static_cast<std::uint16_t>(mm) : 0;
+    }
+  }
+}
+
+void appendPanel(const cv::Mat& picture, cv::Mat& panels) {
+  cv::Mat panel;
+  const int width = picture.cols * kPanelHeight_px / picture.rows;
+  cv::resize(picture, panel, cv::Size(width, kPanelHeight_px), 0.0, 0.0, cv::INTER_AREA);
+  if (panels.empty()) {
+    panels = panel;
+  } else {
+    cv::hconcat(panels, panel, panels);
+  }
+}
+
+}  // namespace
+
+Pictures::Pictures(const PictureOptions& options) : options_(options) {
+  if (!options.overlay_folder.empty()) makeFolder(options.overlay_folder);
+  if (options.depth_folder.empty()) return;
+  makeFolder(fs::path(options.depth_folder) / "matched");
+  makeFolder(fs::path(options.depth_folder) / "filled");
+}
+
+bool Pictures::wantsOverlay(std::size_t index, State state) const {
+  if (options_.overlay_folder.empty()) return false;
+  return last_state_ != state || (options_.overlay_every > 0 && index % options_.overlay_every == 0);
+}
+
+void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipeline, const Report& report) {
+  const State state = report.verdict.state;
+  const bool wants_overlay = wantsOverlay(index, state);
+  if (wants_overlay || !options_.video.empty()) {
+    drawOverlay(left, pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range, overlay_);
+  }
+  if (wants_overlay) {
+    writeImage(fs::path(options_.overlay_folder) / (numbered(index) + "_" + toString(state) + ".png"), overlay_);
+  }
+  if (!options_.depth_folder.empty()) {
+    toMillimetres(pipeline.depth().matched_m, depth_mm_);
+    writeImage(fs::path(options_.depth_folder) / "matched" / (numbered(index) + ".png"), depth_mm_);
+    toMillimetres(pipeline.depth().filled_m, depth_mm_);
+    writeImage(fs::path(options_.depth_folder) / "filled" / (numbered(index) + ".png"), depth_mm_);
+  }
+  if (!options_.video.empty()) writeVideoFrame(overlay_, pipeline, report);
+  last_state_ = state;
+}
+
+void Pictures::writeVideoFrame(const cv::Mat& overlay, const Pipeline& pipeline, const Report& report) {
+  const double ahead_m = pipeline.config().map.max_range_m;
+  drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
+  drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m,
+                   cv::Size(kPanelHeight_px, kPanelHeight_px), map_);
+  panels_.release();
+  appendPanel(overlay, panels_);
+  appendPanel(depth_, panels_);
+  appendPanel(map_, panels_);
+  if (!video_.isOpened()) {
+    video_.open(options_.video, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                options_.video_rate_hz, panels_.size());
+  }
+  if (!video_.isOpened()) throw std::runtime_error(options_.video + ": cannot be written as AVI");
+  video_.write(panels_);
+}
+
+}  // namespace flight_corridor::tools

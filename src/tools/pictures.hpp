@@ -1,0 +1,42 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/videoio.hpp>
+#include <optional>
+#include <string>
+
+#include "flight_corridor/pipeline.hpp"
+
+namespace flight_corridor::tools {
+
+/// What to draw of each processed frame; "" = not.
+struct PictureOptions {
+  std::string overlay_folder;  ///< NNNNNN_STATE.png at each change of verdict.
+  int overlay_every = 0;       ///< ... and at every so many frames; 0: changes only.
+  std::string depth_folder;    ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
+  std::string video;           ///< AVI (motion JPEG): overlay, depth, and the map from above.
+  double video_rate_hz = 10.0;
+};
+
+/// Draws what the pipeline saw into files.
+class Pictures {
+ public:
+  /// Makes the folders.  @throws std::runtime_error naming the one that cannot be made.
+  explicit Pictures(const PictureOptions& options);
+
+  /// @param index number of the frame in the recording, from 0.
+  /// @param left  CV_8UC1 or CV_8UC3 (BGR), the frame that the pipeline has just processed.
+  /// @throws std::runtime_error naming the file that cannot be written.
+  void add(std::size_t index, const cv::Mat& left, const Pipeline& pipeline, const Report& report);
+
+ private:
+  bool wantsOverlay(std::size_t index, State state) const;
+  void writeVideoFrame(const cv::Mat& overlay, const Pipeline& pipeline, const Report& report);
+
+  PictureOptions options_;
+  std::optional<State> last_state_;
+  cv::VideoWriter video_;
+  cv::Mat overlay_, depth_, map_, depth_mm_, panels_;
+};
+
+}  // namespace flight_corridor::tools

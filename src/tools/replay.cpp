@@ -1,0 +1,168 @@
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+
+#include "ros/conversions.hpp"
+#include "tools/command_line.hpp"
+#include "tools/csv.hpp"
+#include "tools/pictures.hpp"
+#include "tools/replayer.hpp"
+#include "tools/score.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+constexpr char kVerdictTopic[] = "/flight_corridor/corridor";
+constexpr std::size_t kChangesShown = 20;
+
+/// A verdict that differs from the one before.
+struct Change {
+  ResultRow row;
+  std::uint32_t reasons;
+};
+
+PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader& bag) {
+  PictureOptions pictures;
+  pictures.overlay_folder = options.text("overlays");
+  pictures.overlay_every = static_cast<int>(options.integer("overlay-every", 0));
+  pictures.depth_folder = options.text("depth");
+  pictures.video = options.text("video");
+  if (std::isfinite(bag.rate())) pictures.video_rate_hz = bag.rate();
+  return pictures;
+}
+
+void checkRanges(const StereoBagReader& bag, const CommandLine& options) {
+  if (options.given("range")) bag.requireRanges();
+  if (!bag.hasRanges()) {
+    std::cerr << "replay: " << options.text("bag") << " has no topic " << options.text("range") << ": stereo alone\n";
+  }
+}
+
+/// Verdicts as messages in a bag of their own.
+class VerdictBag {
+ public:
+  VerdictBag(const std::string& path, const CorridorConfig& corridor)
+      : box_size_m_(Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m) {
+    bag_.open(path, rosbag::bagmode::Write);
+  }
+
+  void add(const Answer& answer) {
+    const std_msgs::Header& header = answer.messages.left->header;
+    bag_.write(kVerdictTopic, header.stamp,
+               flight_corridor_ros::toMessage(header, answer.report, box_size_m_, kNaN));  // no clock, no latency
+  }
+
+ private:
+  Eigen::Vector3d box_size_m_;
+  rosbag::Bag bag_;
+};
+
+void printCounts(const std::vector<ResultRow>& rows) {
+  for (const State state : {State::Free, State::Blocked, State::Unknown}) {
+    const auto count =
+        std::count_if(rows.begin(), rows.end(), [&](const ResultRow& row) { return row.state == state; });
+    std::printf("  %-8s %6td  %5.1f %%\n", toString(state), count, 100.0 * count / rows.size());
+  }
+}
+
+void printChanges(const std::vector<Change>& changes) {
+  std::printf("changes of verdict:\n  %-20s  %-7s  %9s  %9s  %s\n", "stamp", "verdict", "clear [m]", "d_K [m]", "why");
+  for (std::size_t i = 0; i < std::min(changes.size(), kChangesShown); ++i) {
+    const ResultRow& row = changes[i].row;
+    std::printf("  %-20s  %-7s  %9.3f  %9.3f  %s\n", formatStamp(row.stamp).c_str(), toString(row.state),
+                row.clear_distance_m, row.range_fused_m, describeReasons(changes[i].reasons).c_str());
+  }
+  if (changes.size() > kChangesShown) std::printf("  ... and %zu more\n", changes.size() - kChangesShown);
+}
+
+void printTimes(const std::vector<ResultRow>& rows) {
+  const std::array<std::pair<const char*, double StageTimes::*>, 6> stages{{{"stereo", &StageTimes::stereo_ms},
+                                                                            {"fusion", &StageTimes::fusion_ms},
+                                                                            {"cloud", &StageTimes::cloud_ms},
+                                                                            {"map", &StageTimes::map_ms},
+                                                                            {"corridor", &StageTimes::corridor_ms},
+                                                                            {"total", &StageTimes::total_ms}}};
+  std::printf("median time [ms]:");
+  for (const auto& [name, time] : stages) {
+    std::vector<double> times_ms;
+    for (const ResultRow& row : rows) times_ms.push_back(row.times.*time);
+    std::printf("  %s %.2f", name, quantile(times_ms, 0.5));
+  }
+  std::printf("\n");
+}
+
+void requirePairs(const std::vector<ResultRow>& rows, const StereoBagReader& bag, const std::string& path) {
+  if (rows.size() == bag.leftImages()) return;
+  const std::string found = std::to_string(rows.size()) + " of " + std::to_string(bag.leftImages()) +
+                            " left images found their right image and both CameraInfos";
+  if (rows.empty())
+    throw std::runtime_error(path + ": " + found + "; if stamps differ: --set ros/approximate_sync=true");
+  std::cerr << "replay: " << path << ": only " << found << "\n";
+}
+
+/// The image in colour where it has colour.
+cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
+  namespace encodings = sensor_msgs::image_encodings;
+  return encodings::isColor(message->encoding) ? cv_bridge::toCvShare(message, encodings::BGR8)
+                                               : flight_corridor_ros::toGrey(message);
+}
+
+int replay(const CommandLine& options) {
+  const flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
+  const std::string path = options.text("bag");
+  const StereoBagReader bag(path, topicsFrom(options));
+  checkRanges(bag, options);
+  Pictures pictures(pictureOptions(options, bag));
+  std::optional<VerdictBag> verdicts;
+  if (options.given("out")) verdicts.emplace(options.text("out"), config.core.corridor);
+
+  writeResults(options.text("csv"), {});  // fails now rather than after the work
+
+  std::vector<ResultRow> rows;
+  std::vector<Change> changes;
+  Progress progress("replay", bag.leftImages());
+  Replayer(bag, config).run([&](const Answer& answer) {
+    const ResultRow row = resultRow(answer.messages.left->header.stamp, answer.report);
+    if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
+    if (answer.pipeline)
+      pictures.add(rows.size(), picture(answer.messages.left)->image, *answer.pipeline, answer.report);
+    if (verdicts) verdicts->add(answer);
+    rows.push_back(row);
+    progress.advance();
+  });
+  requirePairs(rows, bag, path);
+  writeResults(options.text("csv"), rows);
+
+  std::printf("%s: %zu stereo pairs\n", path.c_str(), rows.size());
+  printCounts(rows);
+  printChanges(changes);
+  printTimes(rows);
+  return 0;
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools
+
+int main(int argc, char** argv) {
+  using namespace flight_corridor::tools;
+  CommandLine options("replay", "Runs the corridor pipeline on a bag.");
+  options.required("bag", "F.bag", "bag to read")
+      .required("csv", "R.csv", "table to write, a line per stereo pair")
+      .optional("config", "C.yaml", "configuration of the node; default: its defaults")
+      .repeatable("set", "key=value", "overrides one key, e.g. map/frame_id=odom")
+      .optional("out", "G.bag", "bag to write: the verdicts as messages")
+      .optional("overlays", "DIR", "folder for overlay pictures, one at each change of verdict")
+      .optional("overlay-every", "N", "... and one at every N frames", "0")
+      .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")
+      .optional("video", "V.avi", "video of overlay, depth and the map from above");
+  declareTopics(options);
+  options.notes("The node's pipeline without a master: the same bag gives the same table, times aside.");
+  return runTool(options, argc, argv, [&] { return replay(options); });
+}

@@ -1,0 +1,124 @@
+#include "tools/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+namespace flight_corridor::tools {
+namespace {
+
+using Results = std::map<ros::Time, ResultRow>;
+
+Results byStamp(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth) {
+  std::map<ros::Time, ResultRow> sorted;
+  for (const ResultRow& row : results) sorted.emplace(row.stamp, row);
+  Results unmatched = sorted;
+  for (const TruthRow& row : truth) unmatched.erase(row.stamp);
+  if (!unmatched.empty()) {
+    throw std::runtime_error("truth has no frame with the result's stamp " + formatStamp(unmatched.begin()->first) +
+                             " (" + std::to_string(unmatched.size()) + " such): do the two belong together?");
+  }
+  return sorted;
+}
+
+void addBlocked(const ResultRow& result, const TruthRow& truth, Score& score) {
+  ++score.blocked;
+  if (result.state == State::Free) ++score.false_free;
+  if (result.state == State::Unknown) ++score.unknown_of_blocked;
+  if (result.state == State::Blocked && std::isfinite(result.clear_distance_m)) {
+    score.distance_errors_m.push_back(std::abs(result.clear_distance_m - truth.clear_exact_m));
+  }
+}
+
+void addFree(const ResultRow& result, Score& score) {
+  ++score.free;
+  if (result.state == State::Blocked) ++score.false_block;
+  if (result.state == State::Unknown) ++score.unknown_of_free;
+}
+
+/// Follows truth through one recording and writes down how the verdict follows.
+class ReactionClock {
+ public:
+  void add(State truth, const ResultRow& result, Score& score) {
+    if (truth != State::Unknown && truth != truth_) {
+      waiting_ = truth_ != State::Unknown;
+      if (waiting_) score.reactions.push_back({result.stamp, truth, kNaN, 0});
+      truth_ = truth;
+    }
+    if (!waiting_) return;
+    Reaction& reaction = score.reactions.back();
+    if (result.state == truth_) {
+      reaction.delay_s = (result.stamp - reaction.stamp).toSec();
+      waiting_ = false;
+    } else {
+      ++reaction.delay_frames;
+    }
+  }
+
+ private:
+  State truth_ = State::Unknown;
+  bool waiting_ = false;
+};
+
+using Iterator = std::vector<double>::const_iterator;
+
+double mean(Iterator begin, Iterator end) {
+  return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+}
+
+}  // namespace
+
+State trueState(const TruthRow& row) {
+  if (std::isfinite(row.clear_exact_m)) return State::Blocked;
+  return std::isfinite(row.clear_inflated_m) ? State::Unknown : State::Free;
+}
+
+void addRecording(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth, Score& score) {
+  const Results by_stamp = byStamp(results, truth);
+  ReactionClock clock;
+  for (const TruthRow& row : truth) {
+    const auto result = by_stamp.find(row.stamp);
+    if (result == by_stamp.end()) {
+      ++score.unanswered;
+      continue;
+    }
+    const State state = trueState(row);
+    if (state == State::Blocked) addBlocked(result->second, row, score);
+    if (state == State::Free) addFree(result->second, score);
+    if (state == State::Unknown) ++score.borderline;
+    clock.add(state, result->second, score);
+  }
+}
+
+double wilsonUpperBound(int count, int total) {
+  if (total == 0) return kNaN;
+  constexpr double kZ = 1.959964;  // 97.5 % quantile of the normal distribution
+  const double n = total, p = count / n, z2 = kZ * kZ;
+  return (p + z2 / (2 * n) + kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n);
+}
+
+SampleStatistics statistics(const std::vector<double>& samples_m) {
+  SampleStatistics result;
+  result.count = samples_m.size();
+  if (result.count < 2) return result;
+  const auto half = samples_m.begin() + static_cast<std::ptrdiff_t>(result.count / 2);
+  result.mean_m = mean(samples_m.begin(), samples_m.end());
+  result.drift_m = std::abs(mean(half, samples_m.end()) - mean(samples_m.begin(), half));
+  double squares_m2 = 0.0;
+  for (const double sample_m : samples_m) squares_m2 += (sample_m - result.mean_m) * (sample_m - result.mean_m);
+  result.variance_m2 = squares_m2 / static_cast<double>(result.count - 1);
+  return result;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return kNaN;
+  std::sort(values.begin(), values.end());
+  const double position = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+}  // namespace flight_corridor::tools

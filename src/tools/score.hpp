@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/csv.hpp"
+
+namespace flight_corridor::tools {
+
+/// What truth says of one frame: Blocked when the exact box is hit, Free when not even the inflated one is, and
+/// Unknown, not scored, when only the inflated one is: no sensor could be blamed for either answer.
+State trueState(const TruthRow& row);
+
+/// How long the verdict took to follow one change of truth.
+struct Reaction {
+  ros::Time stamp;  ///< First frame of the new truth.
+  State truth = State::Unknown;
+  double delay_s = kNaN;  ///< NaN: truth changed again, or the recording ended, before the verdict followed.
+  int delay_frames = 0;   ///< Wrong or unknown verdicts before the right one.
+};
+
+/// Verdicts of one or many recordings held against truth.
+struct Score {
+  int blocked = 0, free = 0, borderline = 0;  ///< Frames by truth.
+  int unanswered = 0;                         ///< Frames of truth that have no verdict; not in the counts above.
+  int false_free = 0, false_block = 0;        ///< Said FREE of blocked, said BLOCKED of free.
+  int unknown_of_blocked = 0, unknown_of_free = 0;
+  std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
+  std::vector<Reaction> reactions;
+};
+
+/// Adds one recording.
+/// @throws std::runtime_error naming a stamp of the results that truth does not have.
+void addRecording(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth, Score& score);
+
+/// Upper end of the two-sided 95 % confidence interval of a share (Wilson 1927); NaN when total is 0.
+double wilsonUpperBound(int count, int total);
+
+/// A static recording of one range.
+struct SampleStatistics {
+  std::size_t count = 0;
+  double mean_m = kNaN;
+  double variance_m2 = kNaN;  ///< Unbiased (n - 1); NaN with fewer than two samples.
+  double drift_m = kNaN;      ///< |mean of the second half - mean of the first half|.
+};
+SampleStatistics statistics(const std::vector<double>& samples_m);
+
+/// Value below which the given share of the values lies, linear between values; NaN when there are none.
+double quantile(std::vector<double> values, double share);
+
+}  // namespace flight_corridor::tools

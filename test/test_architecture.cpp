@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kSource = FLIGHT_CORRIDOR_SOURCE_DIR;
+
+std::vector<std::string> rosIncludes(const fs::path& file) {
+  static const std::regex ros_header(
+      "#include.*[<\"](ros|tf|tf2|tf2_\\w+|\\w+_msgs|std_srvs|rosbag|cv_bridge|image_transport|message_filters|nodelet|"
+      "pluginlib|diagnostic_updater|pcl_conversions|pcl_ros|flight_corridor/[A-Z]\\w*\\.h).*");
+  std::vector<std::string> found;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    if (std::regex_match(line, ros_header)) found.push_back(file.string() + ": " + line);
+  }
+  return found;
+}
+
+std::vector<fs::path> coreFiles() {
+  std::vector<fs::path> files;
+  for (const char* folder : {"include/flight_corridor", "src", "src/sim"}) {
+    for (const auto& entry : fs::directory_iterator(kSource / folder)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+TEST(Architecture, CoreAndSimulationIncludeNoRosHeader) {
+  const auto files = coreFiles();
+  ASSERT_GT(files.size(), 20u);
+  for (const fs::path& file : files) EXPECT_EQ(rosIncludes(file), std::vector<std::string>());
+}
+
+TEST(Architecture, RosHeadersWouldBeFound) {
+  EXPECT_FALSE(rosIncludes(kSource / "src/ros/node.cpp").empty());
+  EXPECT_FALSE(rosIncludes(kSource / "src/ros/conversions.hpp").empty());
+}
+
+}  // namespace

@@ -1,0 +1,358 @@
+#include <gtest/gtest.h>
+#include <sensor_msgs/image_encodings.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <sstream>
+
+#include "flight_corridor/overlay.hpp"
+#include "ros/conversions.hpp"
+#include "ros/map_conversions.hpp"
+
+namespace flight_corridor_ros {
+namespace {
+
+using flight_corridor::CorridorState;
+using flight_corridor::StereoGeometry;
+
+sensor_msgs::CameraInfo info(double fx, double cx, double p3) {
+  sensor_msgs::CameraInfo message;
+  message.width = 640;
+  message.height = 480;
+  message.P = {fx, 0, cx, p3, 0, 350, 240, 0, 0, 0, 1, 0};
+  return message;
+}
+
+std_msgs::Header header(const std::string& frame) {
+  std_msgs::Header header;
+  header.frame_id = frame;
+  header.stamp = ros::Time(12, 500000000);
+  return header;
+}
+
+StereoGeometry geometry() { return StereoGeometry({{640, 480}, 350, 350, 320, 240, 326, 0.12}); }
+
+sensor_msgs::ImagePtr image(const std::string& encoding, int type) {
+  return toImage(header("left"), cv::Mat(4, 6, type, cv::Scalar::all(100)), encoding);
+}
+
+std::string complaintAbout(const sensor_msgs::CameraInfo& left, const sensor_msgs::CameraInfo& right) {
+  try {
+    toCalibration(left, right);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// --- CameraInfo
+
+TEST(ToCalibration, TakesTheBaselineFromTheProjectionMatrices) {
+  const auto calibration = toCalibration(info(350, 320, 0), info(350, 326, -42));
+  EXPECT_DOUBLE_EQ(calibration.baseline_m, 0.12);
+  EXPECT_EQ(calibration.cx_px, 320);
+  EXPECT_EQ(calibration.cx_right_px, 326);
+  EXPECT_EQ(calibration.fy_px, 350);
+  EXPECT_EQ(calibration.cy_px, 240);
+  EXPECT_EQ(calibration.size_px, cv::Size(640, 480));
+}
+
+TEST(ToCalibration, BaselineIsTheDifferenceWhenTheLeftCameraIsNotTheOrigin) {
+  EXPECT_DOUBLE_EQ(toCalibration(info(350, 320, 21), info(350, 320, -21)).baseline_m, 0.12);
+}
+
+TEST(ToCalibration, NamesEverythingThatDiffers) {
+  sensor_msgs::CameraInfo right = info(351, 320, -42);
+  right.P[6] = 241;
+  right.width = 320;
+  const std::string complaint = complaintAbout(info(350, 320, 0), right);
+  for (const char* name : {"fx", "cy", "width"}) EXPECT_TRUE(contains(complaint, name)) << complaint;
+  EXPECT_FALSE(contains(complaint, "height")) << complaint;
+}
+
+TEST(ToCalibration, RefusesBinningAndRegionsOfInterest) {
+  sensor_msgs::CameraInfo binned = info(350, 320, 0), cropped = binned, full = binned;
+  binned.binning_x = binned.binning_y = 2;
+  cropped.roi.x_offset = 10;
+  cropped.roi.width = 600;
+  full.binning_x = full.binning_y = 1;
+  full.roi.width = 640;
+  full.roi.height = 480;
+  const auto right = info(350, 320, -42);
+  EXPECT_TRUE(contains(complaintAbout(binned, right), "binning"));
+  EXPECT_TRUE(contains(complaintAbout(cropped, right), "region of interest"));
+  EXPECT_EQ(complaintAbout(full, right), "");
+}
+
+TEST(ToCalibration, ImpossibleNumbersAreLeftForTheGeometryToRefuse) {
+  EXPECT_THROW(StereoGeometry(toCalibration(info(350, 320, 0), info(350, 320, 0))), std::invalid_argument);
+  EXPECT_THROW(StereoGeometry(toCalibration({}, {})), std::invalid_argument);
+  sensor_msgs::CameraInfo broken = info(std::nan(""), 320, 0);
+  EXPECT_THROW(StereoGeometry(toCalibration(broken, broken)), std::invalid_argument);
+}
+
+// --- Range
+
+TEST(ToReading, KeepsWhatTheDriverSaid) {
+  sensor_msgs::Range message;
+  message.header = header("range_link");
+  message.range = -std::numeric_limits<float>::infinity();
+  message.min_range = 0.25f;
+  message.max_range = 50.0f;
+  message.field_of_view = 0.125f;
+  const auto reading = toReading(message);
+  EXPECT_DOUBLE_EQ(reading.stamp_s, 12.5);
+  EXPECT_EQ(reading.range_m, -flight_corridor::kInfinity);
+  EXPECT_EQ(reading.min_range_m, 0.25);
+  EXPECT_EQ(reading.max_range_m, 50.0);
+  EXPECT_EQ(reading.field_of_view_rad, 0.125);
+}
+
+TEST(ToRange, IsAReadingOfTheLidarAtTheImagesStamp) {
+  sensor_msgs::Range lidar;
+  lidar.header = header("range_link");
+  lidar.field_of_view = 0.125f;
+  flight_corridor::RangeEstimate estimate;
+  estimate.range_m = 3.5;
+  const auto message = toRange(ros::Time(20), estimate, {}, lidar);
+  EXPECT_EQ(message.header.frame_id, "range_link");
+  EXPECT_EQ(message.header.stamp, ros::Time(20));
+  EXPECT_EQ(message.range, 3.5f);
+  EXPECT_EQ(message.field_of_view, 0.125f);
+  EXPECT_EQ(message.max_range, 100.0f);
+  EXPECT_TRUE(std::isnan(toRange(ros::Time(20), {}, {}, lidar).range));
+}
+
+// --- images
+
+TEST(ToGrey, SharesGreyImages) {
+  for (const char* encoding : {"mono8", "8UC1"}) {
+    const auto message = image(encoding, CV_8UC1);
+    EXPECT_EQ(toGrey(message)->image.data, message->data.data()) << encoding;
+  }
+}
+
+TEST(ToGrey, ReadsColourAndDeepImages) {
+  for (const char* encoding : {"bgr8", "rgb8"}) EXPECT_EQ(toGrey(image(encoding, CV_8UC3))->image.at<uchar>(2, 3), 100);
+  for (const char* encoding : {"bgra8", "rgba8"}) EXPECT_EQ(toGrey(image(encoding, CV_8UC4))->image.type(), CV_8UC1);
+  EXPECT_EQ(toGrey(image("mono16", CV_16UC1))->image.type(), CV_8UC1);
+  EXPECT_EQ(toGrey(image("bayer_rggb8", CV_8UC1))->image.type(), CV_8UC1);
+}
+
+TEST(ToGrey, RefusesWhatIsNoImageByName) {
+  const auto unknown = image("mono8", CV_8UC1);
+  unknown->encoding = "smell8";
+  const auto depth = image("32FC1", CV_32FC1);
+  const auto nameless = image("mono8", CV_8UC1);
+  nameless->encoding = "";
+  for (const auto& message : {unknown, depth, nameless}) {
+    try {
+      toGrey(message);
+      ADD_FAILURE() << message->encoding;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_TRUE(contains(error.what(), "\"" + message->encoding + "\"")) << error.what();
+      EXPECT_TRUE(contains(error.what(), "left")) << error.what();
+    }
+  }
+}
+
+TEST(ToGrey, RefusesImagesWithTooLittleData) {
+  const auto truncated = image("mono8", CV_8UC1);
+  truncated->data.resize(5);
+  EXPECT_THROW(toGrey(truncated), std::invalid_argument);
+  const auto narrow = image("mono8", CV_8UC1);
+  narrow->width = 600;
+  EXPECT_THROW(toGrey(narrow), std::invalid_argument);
+}
+
+TEST(ToDisparityImage, GivesTheDepthThatTheGeometryGives) {
+  cv::Mat disparity(480, 640, CV_32FC1, cv::Scalar(21.0));
+  disparity.at<float>(0, 0) = NAN;
+  const auto message = toDisparityImage(header("left"), disparity, geometry(), 128);
+  const auto image = cv_bridge::toCvCopy(message.image);
+  EXPECT_NEAR(message.f * message.T / image->image.at<float>(7, 7), geometry().depth(21.0), 1e-6);
+  EXPECT_LT(image->image.at<float>(0, 0), message.min_disparity);
+  EXPECT_EQ(message.min_disparity, 6.0f);  // cx_right - cx_left: what the search's 0 means
+  EXPECT_EQ(message.max_disparity, 133.0f);
+  EXPECT_EQ(message.image.header.frame_id, "left");
+  EXPECT_TRUE(std::isnan(disparity.at<float>(0, 0)));
+}
+
+// --- verdict
+
+TEST(ToMessage, CarriesEveryNumberOfTheReport) {
+  flight_corridor::Report report;
+  report.verdict = {12.5, flight_corridor::State::Blocked, 2.5, 0.25, flight_corridor::kOccupiedCell};
+  report.range.range_m = 2.6;
+  report.range.sigma_m = 0.01;
+  report.range_lidar_m = 2.61;
+  report.range_stereo_m = 2.59;
+  report.scale = 1.02;
+  report.scale_sigma = 0.005;
+  const CorridorState message = toMessage(header("left"), report, {4.0, 1.2, 0.4}, 0.04);
+  EXPECT_EQ(message.header.frame_id, "left");
+  EXPECT_EQ(message.state, CorridorState::BLOCKED);
+  EXPECT_EQ(message.clear_distance, 2.5);
+  EXPECT_EQ(message.unknown_fraction, 0.25);
+  EXPECT_EQ(message.box.x, 4.0);
+  EXPECT_EQ(message.box.y, 1.2);
+  EXPECT_EQ(message.box.z, 0.4);
+  EXPECT_EQ(message.range_fused, 2.6);
+  EXPECT_EQ(message.range_fused_sigma, 0.01);
+  EXPECT_EQ(message.range_lidar, 2.61);
+  EXPECT_EQ(message.range_stereo, 2.59);
+  EXPECT_EQ(message.scale, 1.02);
+  EXPECT_EQ(message.scale_sigma, 0.005);
+  EXPECT_EQ(message.reasons, CorridorState::OCCUPIED_CELL);
+  EXPECT_EQ(message.latency, 0.04);
+}
+
+TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
+  using namespace flight_corridor;
+  EXPECT_EQ(+CorridorState::UNKNOWN, static_cast<int>(State::Unknown));
+  EXPECT_EQ(+CorridorState::FREE, static_cast<int>(State::Free));
+  EXPECT_EQ(+CorridorState::BLOCKED, static_cast<int>(State::Blocked));
+  const std::pair<std::uint32_t, Reason> reasons[] = {{CorridorState::OCCUPIED_CELL, kOccupiedCell},
+                                                      {CorridorState::SHORT_RANGE, kShortRange},
+                                                      {CorridorState::UNOBSERVED, kUnobserved},
+                                                      {CorridorState::NO_DATA, kNoData},
+                                                      {CorridorState::NO_POSE, kNoPose},
+                                                      {CorridorState::BAD_IMAGE, kBadImage},
+                                                      {CorridorState::BAD_CALIBRATION, kBadCalibration},
+                                                      {CorridorState::NO_DISPARITY, kNoDisparity},
+                                                      {CorridorState::DISAGREEMENT, kDisagreement},
+                                                      {CorridorState::NO_LIDAR, kNoLidar},
+                                                      {CorridorState::LIDAR_REJECTED, kLidarRejected},
+                                                      {CorridorState::NO_RANGE_OBSERVED, kNoRangeObserved},
+                                                      {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked}};
+  for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
+}
+
+TEST(ToMarker, IsTheBoxInItsStatesColour) {
+  flight_corridor::Box box;
+  box.T_M_F = flight_corridor::opticalFromForward();
+  box.size_m = {4.0, 1.2, 0.4};
+  const auto marker = toMarker(header("left"), box, flight_corridor::State::Blocked);
+  EXPECT_NEAR(marker.pose.position.z, 2.0, 1e-12);  // forward is z in the optical frame
+  EXPECT_NEAR(marker.pose.position.x, 0.0, 1e-12);
+  EXPECT_EQ(marker.scale.x, 4.0);
+  EXPECT_EQ(marker.scale.y, 1.2);
+  EXPECT_EQ(marker.scale.z, 0.4);
+  EXPECT_FLOAT_EQ(marker.color.r * 255.0f,
+                  static_cast<float>(flight_corridor::colour(flight_corridor::State::Blocked)[2]));
+}
+
+// --- map
+
+class MapConversions : public testing::Test {
+ protected:
+  MapConversions() {
+    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.05f), 2.0f);
+    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.25f), -0.7f);
+    tree.updateNode(octomap::point3d(1.25f, -0.15f, 0.05f), -0.7f);
+    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.55f), 2.0f);
+  }
+
+  static std::size_t cubes(const visualization_msgs::MarkerArray& array) {
+    std::size_t count = 0;
+    for (const auto& marker : array.markers) count += marker.points.size();
+    return count;
+  }
+
+  octomap::OcTree tree{0.1};
+};
+
+TEST_F(MapConversions, OctomapsCanBeReadBack) {
+  const auto binary = toBinaryOctomap(header("odom"), tree);
+  const auto full = toFullOctomap(header("odom"), tree);
+  octomap::OcTree from_binary(binary.resolution), from_full(full.resolution);
+  std::stringstream binary_data(std::string(binary.data.begin(), binary.data.end()));
+  std::stringstream full_data(std::string(full.data.begin(), full.data.end()));
+  from_binary.readBinaryData(binary_data);
+  from_full.readData(full_data);
+  EXPECT_TRUE(from_full == tree);
+  EXPECT_EQ(from_binary.getNumLeafNodes(), tree.getNumLeafNodes());
+  EXPECT_TRUE(from_binary.isNodeOccupied(from_binary.search(1.05, 0.05, 0.05)));
+  EXPECT_FALSE(from_binary.isNodeOccupied(from_binary.search(1.05, 0.05, 0.25)));
+  EXPECT_TRUE(binary.binary);
+  EXPECT_FALSE(full.binary);
+  EXPECT_EQ(binary.id, "OcTree");
+  EXPECT_EQ(binary.header.frame_id, "odom");
+}
+
+TEST_F(MapConversions, AnEmptyTreeIsAnEmptyOctomap) {
+  const octomap::OcTree empty(0.1);
+  EXPECT_TRUE(toBinaryOctomap(header("odom"), empty).data.empty());
+  EXPECT_TRUE(toProjectedMap(header("odom"), empty, Eigen::Isometry3d::Identity()).data.empty());
+  EXPECT_EQ(toCellCentres(header("odom"), empty).width, 0u);
+}
+
+TEST_F(MapConversions, MarkersHoldEachLeafOnceAtItsSize) {
+  const auto occupied = toMarkers(header("odom"), tree, Cells::Occupied, Eigen::Isometry3d::Identity());
+  const auto free = toMarkers(header("odom"), tree, Cells::Free, Eigen::Isometry3d::Identity());
+  ASSERT_EQ(occupied.markers.size(), tree.getTreeDepth() + 1);
+  EXPECT_EQ(cubes(occupied), 2u);
+  EXPECT_EQ(cubes(free), 2u);
+  const auto& smallest = occupied.markers.back();
+  EXPECT_EQ(smallest.points.size(), 2u);
+  EXPECT_EQ(smallest.colors.size(), 2u);
+  EXPECT_NEAR(smallest.scale.x, 0.1, 1e-9);
+  EXPECT_EQ(smallest.action, visualization_msgs::Marker::ADD);
+  EXPECT_EQ(occupied.markers.front().action, visualization_msgs::Marker::DELETE);
+  EXPECT_NEAR(occupied.markers.front().scale.x, tree.getNodeSize(0), 1e-6);
+  EXPECT_EQ(smallest.id, static_cast<int>(tree.getTreeDepth()));
+}
+
+TEST_F(MapConversions, LowCellsAreBlueAndHighOnesRed) {
+  const auto markers = toMarkers(header("odom"), tree, Cells::Occupied, Eigen::Isometry3d::Identity());
+  const auto& cells = markers.markers.back();
+  for (std::size_t i = 0; i < cells.points.size(); ++i) {
+    EXPECT_EQ(cells.points[i].z<0.3, cells.colors[i].b> cells.colors[i].r) << cells.points[i].z;
+  }
+}
+
+TEST_F(MapConversions, CentresAreThoseOfTheOccupiedCells) {
+  const auto cloud = toCellCentres(header("odom"), tree);
+  ASSERT_EQ(cloud.width * cloud.height, 2u);
+  for (sensor_msgs::PointCloud2ConstIterator<float> x(cloud, "x"); x != x.end(); ++x) EXPECT_NEAR(*x, 1.05, 1e-6);
+}
+
+TEST_F(MapConversions, ProjectedMapTellsOccupiedFreeAndUnknownColumns) {
+  const auto grid = toProjectedMap(header("odom"), tree, Eigen::Isometry3d::Identity());
+  ASSERT_EQ(grid.info.width, 3u);   // x 1.0 to 1.3
+  ASSERT_EQ(grid.info.height, 3u);  // y -0.2 to 0.1
+  EXPECT_NEAR(grid.info.origin.position.x, 1.0, 1e-6);
+  EXPECT_NEAR(grid.info.origin.position.y, -0.2, 1e-6);
+  EXPECT_EQ(grid.data[2 * 3 + 0], 100);
+  EXPECT_EQ(grid.data[0 * 3 + 2], 0);
+  EXPECT_EQ(grid.data[1 * 3 + 1], -1);
+}
+
+TEST_F(MapConversions, ProjectedMapOfACameraFrameLiesLevel) {
+  octomap::OcTree camera_tree(0.1);
+  camera_tree.updateNode(octomap::point3d(0.05f, -0.45f, 2.05f), 2.0f);  // above, 2 m ahead
+  const auto grid = toProjectedMap(header("left"), camera_tree, flight_corridor::opticalFromForward());
+  ASSERT_EQ(grid.data.size(), 1u);
+  EXPECT_EQ(grid.data[0], 100);
+  EXPECT_NEAR(grid.info.origin.position.z, 2.0, 1e-6);
+  EXPECT_NEAR(grid.info.origin.position.y, 0.0, 1e-6);  // at the camera's height
+  EXPECT_NEAR(grid.info.origin.position.x, 0.1, 1e-6);  // the grid's y grows to the left
+}
+
+TEST_F(MapConversions, LargeLeavesFillTheirWholeSquare) {
+  octomap::OcTree pruned(0.1);
+  for (float x : {0.05f, 0.15f}) {
+    for (float y : {0.05f, 0.15f}) {
+      for (float z : {0.05f, 0.15f}) pruned.updateNode(octomap::point3d(x, y, z), 10.0f);
+    }
+  }
+  ASSERT_EQ(pruned.getNumLeafNodes(), 1u);
+  EXPECT_EQ(toProjectedMap(header("odom"), pruned, Eigen::Isometry3d::Identity()).data,
+            std::vector<std::int8_t>(4, 100));
+}
+
+}  // namespace
+}  // namespace flight_corridor_ros

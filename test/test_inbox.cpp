@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "ros/inbox.hpp"
+
+namespace flight_corridor_ros {
+namespace {
+
+StereoMessages pairAt(double stamp_s) {
+  const auto left = boost::make_shared<sensor_msgs::Image>();
+  left->header.stamp = ros::Time(stamp_s);
+  StereoMessages pair;
+  pair.left = left;
+  return pair;
+}
+
+sensor_msgs::RangeConstPtr rangeAt(double stamp_s) {
+  const auto range = boost::make_shared<sensor_msgs::Range>();
+  range->header.stamp = ros::Time(stamp_s);
+  return range;
+}
+
+TEST(Inbox, TheNewestPairWins) {
+  Inbox inbox(10);
+  inbox.put(pairAt(1.0));
+  inbox.put(pairAt(2.0));
+  EXPECT_EQ(inbox.take()->left->header.stamp, ros::Time(2.0));
+}
+
+TEST(Inbox, TakingWaitsForAPairOrTheEnd) {
+  Inbox inbox(10);
+  auto taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
+  inbox.put(pairAt(1.0));
+  EXPECT_TRUE(taken.get());
+  taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
+  inbox.close();
+  EXPECT_FALSE(taken.get());
+}
+
+TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {
+  Inbox inbox(10);
+  for (const double stamp_s : {1.0, 1.5, 2.0}) inbox.put(rangeAt(stamp_s));
+  EXPECT_EQ(inbox.takeRanges(ros::Time(1.5)).size(), 2u);
+  EXPECT_EQ(inbox.takeRanges(ros::Time(1.9)).size(), 0u);
+  EXPECT_EQ(inbox.takeRanges(ros::Time(2.0)).size(), 1u);
+  EXPECT_EQ(inbox.newestRange()->header.stamp, ros::Time(2.0));
+}
+
+TEST(Inbox, WithoutATakerTheNewestRangesAreKept) {
+  Inbox inbox(2);
+  for (const double stamp_s : {1.0, 1.1, 1.2}) inbox.put(rangeAt(stamp_s));
+  const auto ranges = inbox.takeRanges(ros::Time(9.0));
+  ASSERT_EQ(ranges.size(), 2u);
+  EXPECT_EQ(ranges.front()->header.stamp, ros::Time(1.1));
+}
+
+TEST(Inbox, RangesFromBeforeATimeJumpAreForgotten) {
+  Inbox inbox(10);
+  inbox.put(rangeAt(100.0));
+  inbox.put(rangeAt(1.0));
+  EXPECT_EQ(inbox.takeRanges(ros::Time(200.0)).size(), 1u);
+}
+
+TEST(Inbox, ALateRangeIsNoTimeJump) {
+  Inbox inbox(10);
+  inbox.put(rangeAt(10.0));
+  inbox.put(rangeAt(9.9));
+  EXPECT_EQ(inbox.takeRanges(ros::Time(10.0)).size(), 2u);
+}
+
+}  // namespace
+}  // namespace flight_corridor_ros

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "ros/params.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace flight_corridor_ros {
+namespace {
+
+const std::string kSource = FLIGHT_CORRIDOR_SOURCE_DIR;
+
+std::string complaintAbout(const Values& values) {
+  try {
+    makeConfig(values);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string complaintAboutFile(const std::string& path) {
+  try {
+    readYaml(path);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Names of the fields of every `struct <Section>Config {...}` in a header, as keys "section/field".
+std::set<std::string> fieldsIn(const std::string& header) {
+  std::stringstream file;
+  file << std::ifstream(header).rdbuf();
+  const std::string text = file.str();
+  std::set<std::string> keys;
+  const std::regex structure("struct (\\w+)Config \\{([^]*?)\\n\\};");
+  const std::regex field("\\n  [\\w:]+ (\\w+)[^;\\n]*;");
+  for (std::sregex_iterator s(text.begin(), text.end(), structure), end; s != end; ++s) {
+    std::string section = (*s)[1];
+    section[0] = static_cast<char>(std::tolower(section[0]));
+    const std::string body = (*s)[2];
+    for (std::sregex_iterator f(body.begin(), body.end(), field); f != end; ++f) {
+      keys.insert(section + "/" + (*f)[1].str());
+    }
+  }
+  return keys;
+}
+
+TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
+  std::set<std::string> declared = fieldsIn(kSource + "/src/ros/params.hpp");
+  for (const char* module : {"disparity_estimator", "beam_footprint", "range_fusion", "scale_correction",
+                             "cloud_builder", "occupancy_map", "corridor"}) {
+    declared.merge(fieldsIn(kSource + "/include/flight_corridor/" + module + ".hpp"));
+  }
+  declared.erase("node/core");
+  declared.erase("node/ros");
+  std::set<std::string> bound;
+  for (const auto& [key, value] : toValues(NodeConfig())) bound.insert(key);
+  EXPECT_EQ(bound, declared);
+}
+
+TEST(Params, DefaultYamlHoldsEveryKeyWithItsDefault) {
+  const Values shipped = readYaml(kSource + "/config/default.yaml");
+  const Values defaults = toValues(NodeConfig());
+  for (const auto& [key, value] : defaults) {
+    ASSERT_TRUE(shipped.count(key)) << key;
+    EXPECT_EQ(shipped.at(key), value) << key << ": " << describe(shipped.at(key)) << ", not " << describe(value);
+  }
+  EXPECT_EQ(shipped.size(), defaults.size());
+}
+
+TEST(Params, PaperYamlHoldsThePapersNumbers) {
+  const NodeConfig config = makeConfig(readYaml(kSource + "/config/paper.yaml"));
+  EXPECT_EQ(config.core.fusion.acceleration_sigma_mps2, 0.0);
+  EXPECT_EQ(config.core.fusion.stereo_variance_m2, 0.0254800198);
+  EXPECT_EQ(config.core.fusion.lidar_variance_m2, 0.0005798584);
+  EXPECT_EQ(config.core.fusion.disparity_sigma_px, 0.0);
+  EXPECT_EQ(config.core.fusion.gate_sigma, flight_corridor::kInfinity);
+  EXPECT_EQ(config.core.corridor.width_m, 1.2);
+  EXPECT_EQ(config.core.corridor.height_m, 0.4);
+  EXPECT_EQ(config.core.corridor.length_m, 4.0);
+}
+
+TEST(Params, NoValuesGiveTheDefaults) { EXPECT_EQ(toValues(makeConfig({})), toValues(NodeConfig())); }
+
+TEST(Params, EveryKeyReachesItsOwnField) {
+  const Values defaults = toValues(NodeConfig());
+  for (const auto& [key, value] : defaults) {
+    NodeConfig config;
+    Values changed = {{key, value}};
+    if (const double* number = std::get_if<double>(&value)) changed[key] = *number * 1.01;
+    try {
+      config = makeConfig(changed);
+    } catch (const std::invalid_argument&) {
+      continue;  // a rule binds this value to others
+    }
+    Values expected = defaults;
+    expected[key] = changed[key];
+    EXPECT_EQ(toValues(config), expected) << key;
+  }
+}
+
+TEST(Params, ListsEveryUnknownKeyWrongTypeAndBrokenRuleAtOnce) {
+  const std::string complaint = complaintAbout({{"corridor/wdith_m", 1.2},
+                                                {"stereo/num_disparities_px", 64.0},
+                                                {"corridor/height_m", -0.4},
+                                                {"scale/enabled", std::string("maybe")},
+                                                {"corridor/offset_m", std::vector<double>{1.0, 2.0}},
+                                                {"ros/watchdog_s", 0},
+                                                {"map/frame_id", std::monostate()}});
+  EXPECT_TRUE(contains(complaint, "corridor/wdith_m: unknown key (1.2)")) << complaint;
+  EXPECT_TRUE(contains(complaint, "stereo/num_disparities_px: expects an integer (64")) << complaint;
+  EXPECT_TRUE(contains(complaint, "corridor/height_m: ")) << complaint;
+  EXPECT_TRUE(contains(complaint, "(-0.4)")) << complaint;
+  EXPECT_TRUE(contains(complaint, "scale/enabled: expects true or false (\"maybe\")")) << complaint;
+  EXPECT_TRUE(contains(complaint, "corridor/offset_m: expects a list of three numbers (a list of 2 numbers)"));
+  EXPECT_TRUE(contains(complaint, "ros/watchdog_s: positive (0)")) << complaint;
+  EXPECT_TRUE(contains(complaint, "map/frame_id: expects a text")) << complaint;
+}
+
+TEST(Params, IntegersAreNumbersButNumbersAreNoIntegers) {
+  EXPECT_EQ(makeConfig({{"corridor/length_m", 3}}).core.corridor.length_m, 3.0);
+  EXPECT_NE(complaintAbout({{"ros/sync_queue", 3.0}}), "");
+}
+
+TEST(Params, SettingOneParameterReadsItsValueAsYaml) {
+  Values values;
+  setParameter(values, "map/frame_id=odom");
+  setParameter(values, "corridor/frame_id=");
+  setParameter(values, "corridor/length_m=3");
+  setParameter(values, "scale/enabled=false");
+  setParameter(values, "corridor/offset_m=[0.5, 0, -0.25]");
+  const NodeConfig config = makeConfig(values);
+  EXPECT_EQ(config.core.map.frame_id, "odom");
+  EXPECT_EQ(config.core.corridor.frame_id, "");
+  EXPECT_EQ(config.core.corridor.length_m, 3.0);
+  EXPECT_FALSE(config.core.scale.enabled);
+  EXPECT_EQ(config.core.corridor.offset_m, Eigen::Vector3d(0.5, 0.0, -0.25));
+}
+
+TEST(Params, SettingRefusesWhatIsNoKeyAndValue) {
+  Values values;
+  EXPECT_THROW(setParameter(values, "corridor/length_m"), std::invalid_argument);
+  EXPECT_THROW(setParameter(values, "=3"), std::invalid_argument);
+  EXPECT_THROW(setParameter(values, "corridor/offset_m=[1, 2"), std::invalid_argument);
+}
+
+TEST(Params, FilesThatCannotBeReadAreNamed) {
+  const flight_corridor::test_support::TemporaryFolder folder;
+  EXPECT_TRUE(contains(complaintAboutFile(folder.path("absent.yaml")), "absent.yaml"));
+  std::ofstream(folder.path("broken.yaml")) << "corridor: [1, 2";
+  EXPECT_TRUE(contains(complaintAboutFile(folder.path("broken.yaml")), "broken.yaml"));
+  std::ofstream(folder.path("empty.yaml")) << "";
+  EXPECT_TRUE(contains(complaintAboutFile(folder.path("empty.yaml")), "no map of parameters"));
+}
+
+TEST(Params, QuotedNumbersAreTexts) {
+  const flight_corridor::test_support::TemporaryFolder folder;
+  std::ofstream(folder.path("quoted.yaml")) << "corridor: {length_m: \"3\"}";
+  EXPECT_TRUE(contains(complaintAbout(readYaml(folder.path("quoted.yaml"))), "corridor/length_m: expects a number"));
+}
+
+}  // namespace
+}  // namespace flight_corridor_ros

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "flight_corridor/corridor.hpp"
+#include "support/temporary_folder.hpp"
+#include "tools/folder.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FolderTest : public testing::Test {
+ protected:
+  FolderTest() {
+    fs::create_directory(folder.path("left"));
+    fs::create_directory(folder.path("right"));
+    for (const char* name : {"left/000000.png", "left/000001.png", "right/000000.png", "right/000001.png"}) {
+      cv::imwrite(folder.path(name), cv::Mat(6, 8, CV_8UC1, 77));
+    }
+    write("calib.yaml", "# rectified\nfx: 10\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0.2\ndoffs: 1.5\nnote: \"any\"\n");
+    write("timestamps.csv", "frame,stamp_s\n0,1403715273.262142976\n1,1403715273.312143104\n");
+    write("range.csv", "# why\nframe,stamp_s,range_m\n0,1403715273.262142976,2.5\n1,1403715273.312143104,\n");
+    write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n1403715273.262142976,1,2,3,0,0,0,1\n");
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder.path(name)) << text; }
+  std::string root() const { return fs::path(folder.path("left")).parent_path().string(); }
+
+  std::string error() const {
+    try {
+      writeBag(readFolder(root(), 10.0), folder.path("out.bag"), [] {});
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  test_support::TemporaryFolder folder;
+};
+
+TEST_F(FolderTest, IsReadWithStampsRangesPosesAndCalibration) {
+  const FolderRecording recording = readFolder(root(), 10.0);
+  EXPECT_EQ(recording.rig.calibration.cx_right_px, 5.5);
+  EXPECT_EQ(recording.rig.calibration.baseline_m, 0.2);
+  EXPECT_EQ(recording.rig.calibration.size_px, cv::Size(8, 6));
+  ASSERT_EQ(recording.pairs.size(), 2u);
+  EXPECT_EQ(recording.pairs[1].stamp, ros::Time(1403715273, 312143104));
+  EXPECT_EQ(recording.pairs[1].value.right, folder.path("right/000001.png"));
+  ASSERT_EQ(recording.ranges_m.size(), 1u) << "an empty cell is no reading";
+  EXPECT_EQ(recording.ranges_m[0].value, 2.5);
+  ASSERT_EQ(recording.poses_W_B.size(), 1u);
+}
+
+TEST_F(FolderTest, PoseOfTheCameraIsPoseOfTheBodyTimesItsMounting) {
+  const FolderRecording recording = readFolder(root(), 10.0);
+  Eigen::Isometry3d T_W_C = Eigen::Isometry3d::Identity();
+  T_W_C.translation() = Eigen::Vector3d(1, 2, 3);
+  EXPECT_TRUE((recording.poses_W_B[0].value * recording.rig.T_B_C).isApprox(T_W_C));
+}
+
+TEST_F(FolderTest, BeamLiesOnTheOpticalAxis) {
+  const BagRig rig = readFolder(root(), 10.0).rig;
+  const Eigen::Isometry3d T_C_L = rig.T_B_C.inverse() * rig.T_B_L;
+  EXPECT_TRUE(T_C_L.translation().isZero());
+  EXPECT_TRUE((T_C_L.linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitZ()));
+}
+
+TEST_F(FolderTest, BecomesABagOfTheSamePairsAndRanges) {
+  ASSERT_EQ(error(), "");
+  const StereoBagReader bag(folder.path("out.bag"), {});
+  int pairs = 0, ranges = 0;
+  bag.play({}, {[&](const StereoMessages& pair) {
+                  ++pairs;
+                  EXPECT_EQ(pair.left->data.front(), 77);
+                },
+                [&](const sensor_msgs::RangeConstPtr&) { ++ranges; }});
+  EXPECT_EQ(pairs, 2);
+  EXPECT_EQ(ranges, 1);
+}
+
+TEST_F(FolderTest, NeedsOnlyImagesAndCalibration) {
+  for (const char* name : {"timestamps.csv", "range.csv", "poses.csv"}) fs::remove(folder.path(name));
+  const FolderRecording recording = readFolder(root(), 10.0);
+  EXPECT_EQ(recording.pairs[1].stamp - recording.pairs[0].stamp, ros::Duration(0.1));
+  EXPECT_TRUE(recording.ranges_m.empty());
+}
+
+TEST_F(FolderTest, StampZeroMovesToOneSecondEverywhere) {
+  write("timestamps.csv", "frame,stamp_s\n0,0\n1,0.1044989\n");
+  write("range.csv", "frame,stamp_s,range_m\n0,0.0,2.5\n");
+  write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n");
+  const FolderRecording recording = readFolder(root(), 10.0);
+  EXPECT_EQ(recording.pairs[0].stamp, ros::Time(1, 0));
+  EXPECT_EQ(recording.pairs[1].stamp, ros::Time(1, 104498900));
+  EXPECT_EQ(recording.ranges_m[0].stamp, ros::Time(1, 0));
+  EXPECT_EQ(recording.poses_W_B[0].stamp, ros::Time(1, 0));
+}
+
+TEST_F(FolderTest, NamesWhatIsMissing) {
+  fs::remove(folder.path("right/000001.png"));
+  EXPECT_EQ(error(),
+            folder.path("right/000001.png") + ": is missing, but " + folder.path("left/000001.png") + " is there");
+}
+
+TEST_F(FolderTest, NamesAFolderThatIsNotThere) {
+  EXPECT_THROW(readFolder("/no/such/folder", 10.0), std::runtime_error);
+}
+
+TEST_F(FolderTest, NamesAnImageThatIsEmpty) {
+  write("right/000001.png", "");
+  EXPECT_EQ(error(), folder.path("right/000001.png") + ": is no image that can be read");
+}
+
+TEST_F(FolderTest, NamesAnImageOfAnotherSize) {
+  cv::imwrite(folder.path("right/000001.png"), cv::Mat(6, 7, CV_8UC1, 77));
+  EXPECT_EQ(error(), folder.path("right/000001.png") + ": is 7x6, the recording's first image is 8x6");
+}
+
+TEST_F(FolderTest, NamesAMissingKeyOfTheCalibration) {
+  write("calib.yaml", "fx: 10\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0.2\n");
+  EXPECT_EQ(error(), folder.path("calib.yaml") + ": key 'doffs' is missing");
+  write("calib.yaml", "fx: wide\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0.2\ndoffs: 0\n");
+  EXPECT_EQ(error(), folder.path("calib.yaml") + ": key 'fx' is no number");
+}
+
+TEST_F(FolderTest, RefusesAZeroBaseline) {
+  write("calib.yaml", "fx: 10\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0\ndoffs: 0\n");
+  EXPECT_EQ(error().find(folder.path("calib.yaml") + ": "), 0u) << error();
+  EXPECT_NE(error().find("baseline"), std::string::npos) << error();
+}
+
+TEST_F(FolderTest, RefusesStampsThatDoNotMatchTheImages) {
+  write("timestamps.csv", "frame,stamp_s\n0,1\n");
+  EXPECT_EQ(error(), folder.path("timestamps.csv") + ": 1 stamps, but left/ holds 2 images");
+}
+
+TEST_F(FolderTest, RefusesAPoseWhoseQuaternionIsNone) {
+  write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n1,1,2,3,0,0,0,0\n");
+  EXPECT_EQ(error(), folder.path("poses.csv") + ":2: column 'qw': the quaternion's norm is not 1");
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools

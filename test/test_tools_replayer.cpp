@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "flight_corridor/corridor.hpp"
+#include "ros/conversions.hpp"
+#include "support/temporary_folder.hpp"
+#include "tools/csv.hpp"
+#include "tools/replayer.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+const ros::Time kStart(1603715273, 0);
+constexpr int kWidth = 160, kHeight = 120;
+constexpr double kFocal_px = 90.0, kBaseline_m = 0.12;
+
+/// A textured wall, frontal, at the depth of a whole-pixel disparity: both images are one noise texture, shifted.
+class ReplayerTest : public testing::Test {
+ protected:
+  ReplayerTest() {
+    rig.calibration.size_px = {kWidth, kHeight};
+    rig.calibration.fx_px = rig.calibration.fy_px = kFocal_px;
+    rig.calibration.cx_px = rig.calibration.cx_right_px = 79.5;
+    rig.calibration.cy_px = 59.5;
+    rig.calibration.baseline_m = kBaseline_m;
+    rig.T_B_C = opticalFromForward().inverse();
+    cv::RNG random(1);
+    random.fill(texture, cv::RNG::UNIFORM, 0, 255);
+    config.core.stereo.num_disparities_px = 32;
+  }
+
+  std::string path() const { return folder.path("flight.bag"); }
+  cv::Mat view(int shift_px) const { return texture.colRange(shift_px, shift_px + kWidth).clone(); }
+
+  /// Six pairs at 10 Hz of a wall at f*B/disparity, and a LiDAR that sees it.
+  void writeWall(int disparity_px) const {
+    StereoBagWriter bag(path(), rig, kStart);
+    for (int i = 0; i < 6; ++i) {
+      const ros::Time stamp = kStart + ros::Duration(0.1 * i);
+      RangeReading reading;
+      reading.range_m = kFocal_px * kBaseline_m / disparity_px;
+      bag.writeRange(stamp, reading);
+      bag.writePair(stamp, view(0), view(disparity_px));
+    }
+    bag.close();
+  }
+
+  void writeOne(const sensor_msgs::Image& left, const sensor_msgs::Image& right) const {
+    writeWall(6);
+    rosbag::Bag bag(path(), rosbag::bagmode::Append);
+    const ros::Time stamp = kStart + ros::Duration(10.0);
+    const StereoTopics topics;
+    sensor_msgs::CameraInfo info = cameraInfo();
+    info.header.stamp = stamp;
+    bag.write(topics.left_info, stamp, info);
+    info.P[3] = -kFocal_px * kBaseline_m;
+    bag.write(topics.right_info, stamp, info);
+    for (const auto& [topic, image] : {std::pair{topics.left, left}, std::pair{topics.right, right}}) {
+      sensor_msgs::Image stamped = image;
+      stamped.header.stamp = stamp;
+      stamped.header.frame_id = info.header.frame_id;
+      bag.write(topic, stamp, stamped);
+    }
+    bag.close();
+  }
+
+  sensor_msgs::CameraInfo cameraInfo() const {
+    sensor_msgs::CameraInfo info;
+    info.header.frame_id = "stereo_left_optical";
+    info.width = kWidth;
+    info.height = kHeight;
+    info.P = {kFocal_px, 0, 79.5, 0, 0, kFocal_px, 59.5, 0, 0, 0, 1, 0};
+    return info;
+  }
+
+  static sensor_msgs::Image image(int width, int height, const std::string& encoding) {
+    sensor_msgs::Image message;
+    message.width = static_cast<std::uint32_t>(width);
+    message.height = static_cast<std::uint32_t>(height);
+    message.encoding = encoding;
+    message.step = message.width;
+    message.data.resize(message.width * message.height, 100);
+    return message;
+  }
+
+  std::vector<Report> replay() const {
+    const StereoBagReader bag(path(), {});
+    std::vector<Report> reports;
+    Replayer(bag, config).run([&](const Answer& answer) { reports.push_back(answer.report); });
+    return reports;
+  }
+
+  test_support::TemporaryFolder folder;
+  BagRig rig;
+  cv::Mat texture = cv::Mat(kHeight, kWidth + 32, CV_8UC1);
+  flight_corridor_ros::NodeConfig config;
+};
+
+TEST_F(ReplayerTest, ReportsTheWallThatStereoAndLidarSee) {
+  writeWall(6);  // 90 px * 0.12 m / 6 px = 1.8 m
+  const std::vector<Report> reports = replay();
+  ASSERT_EQ(reports.size(), 6u);
+  const Report& last = reports.back();
+  EXPECT_EQ(last.verdict.state, State::Blocked);
+  // A sixteenth of a pixel, the matcher's step, is 1.8^2 / (90 * 0.12) / 16 = 0.019 m; the LiDAR's float adds nothing.
+  EXPECT_NEAR(last.range_stereo_m, 1.8, 0.02);
+  EXPECT_NEAR(last.range_lidar_m, 1.8, 1e-6);
+  EXPECT_NEAR(last.range.range_m, 1.8, 0.02);
+}
+
+TEST_F(ReplayerTest, GivesTheSameAnswersTwice) {
+  writeWall(6);
+  const std::vector<Report> once = replay(), again = replay();
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].verdict.state, again[i].verdict.state);
+    EXPECT_EQ(once[i].verdict.clear_distance_m, again[i].verdict.clear_distance_m);
+    EXPECT_EQ(once[i].verdict.unknown_fraction, again[i].verdict.unknown_fraction);
+    EXPECT_EQ(once[i].verdict.reasons, again[i].verdict.reasons);
+    EXPECT_EQ(once[i].range.range_m, again[i].range.range_m);
+    EXPECT_EQ(once[i].scale, again[i].scale);
+  }
+}
+
+TEST_F(ReplayerTest, AnswersBadImageForImagesOfAnotherSize) {
+  writeOne(image(kWidth, kHeight, "mono8"), image(kWidth / 2, kHeight, "mono8"));
+  const Report report = replay().back();
+  EXPECT_EQ(report.verdict.state, State::Unknown);
+  EXPECT_TRUE(report.verdict.reasons & kBadImage);
+}
+
+TEST_F(ReplayerTest, AnswersBadImageForEmptyImages) {
+  writeOne(image(0, 0, "mono8"), image(0, 0, "mono8"));
+  const Report report = replay().back();
+  EXPECT_EQ(report.verdict.state, State::Unknown);
+  EXPECT_TRUE(report.verdict.reasons & kBadImage);
+}
+
+TEST_F(ReplayerTest, AnswersBadImageForAnUnknownEncoding) {
+  writeOne(image(kWidth, kHeight, "purple7"), image(kWidth, kHeight, "mono8"));
+  const Report report = replay().back();
+  EXPECT_EQ(report.verdict.state, State::Unknown);
+  EXPECT_TRUE(report.verdict.reasons & kBadImage);
+}
+
+TEST_F(ReplayerTest, AnswersBadCalibrationForAZeroBaseline) {
+  rig.calibration.baseline_m = 0.0;
+  writeWall(6);
+  const std::vector<Report> reports = replay();
+  ASSERT_EQ(reports.size(), 6u);
+  for (const Report& report : reports) {
+    EXPECT_EQ(report.verdict.state, State::Unknown);
+    EXPECT_EQ(report.verdict.reasons, kBadCalibration);
+    EXPECT_TRUE(std::isnan(report.verdict.clear_distance_m));
+  }
+}
+
+TEST_F(ReplayerTest, AnswersNoPoseWhenTheMapsFrameIsNotInTheBag) {
+  writeWall(6);
+  config.core.map.frame_id = "odom";
+  for (const Report& report : replay()) {
+    EXPECT_EQ(report.verdict.state, State::Unknown);
+    EXPECT_TRUE(report.verdict.reasons & kNoPose);
+  }
+}
+
+TEST_F(ReplayerTest, RefusedPairsHaveNoProducts) {
+  writeOne(image(0, 0, "mono8"), image(0, 0, "mono8"));
+  const StereoBagReader bag(path(), {});
+  std::vector<bool> has_products;
+  Replayer(bag, config).run([&](const Answer& answer) { has_products.push_back(answer.pipeline != nullptr); });
+  EXPECT_EQ(has_products, (std::vector<bool>{true, true, true, true, true, true, false}));
+}
+
+TEST(ReadConfig, OverridesKeysOneByOne) {
+  const auto config = readConfig("", {"corridor/length_m=3.0", "map/frame_id=odom"});
+  EXPECT_EQ(config.core.corridor.length_m, 3.0);
+  EXPECT_EQ(config.core.map.frame_id, "odom");
+}
+
+TEST(ReadConfig, NamesAnUnknownKeyAndAMissingFile) {
+  try {
+    readConfig("", {"corridor/lenght_m=3.0"});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("corridor/lenght_m"), std::string::npos) << error.what();
+  }
+  try {
+    readConfig("/no/such.yaml", {});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("/no/such.yaml"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools

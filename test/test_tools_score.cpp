@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tools/score.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+const TruthRow kFreeTruth{{}, kInfinity, kInfinity, kInfinity};
+const TruthRow kBlockedTruth{{}, 3.0, 3.0, 2.9};
+const TruthRow kBorderlineTruth{{}, kInfinity, kInfinity, 3.9};
+
+/// One recording, a frame every 0.1 s.
+class Recording {
+ public:
+  Recording& add(TruthRow truth, State said, double clear_distance_m = kInfinity) {
+    truth.stamp = ros::Time(100, 100000000u * static_cast<unsigned>(truth_.size()));
+    truth_.push_back(truth);
+    ResultRow result;
+    result.stamp = truth.stamp;
+    result.state = said;
+    result.clear_distance_m = clear_distance_m;
+    results_.push_back(result);
+    return *this;
+  }
+
+  Score score() const {
+    Score score;
+    addRecording(results_, truth_, score);
+    return score;
+  }
+
+  std::vector<ResultRow> results_;
+  std::vector<TruthRow> truth_;
+};
+
+TEST(Score, CountsEachAnswerAgainstTruth) {
+  const Score score = Recording()
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kBlockedTruth, State::Free)
+                          .add(kBlockedTruth, State::Unknown)
+                          .add(kFreeTruth, State::Free)
+                          .add(kFreeTruth, State::Blocked)
+                          .add(kFreeTruth, State::Blocked)
+                          .add(kFreeTruth, State::Unknown)
+                          .score();
+  EXPECT_EQ(score.blocked, 3);
+  EXPECT_EQ(score.free, 4);
+  EXPECT_EQ(score.false_free, 1);
+  EXPECT_EQ(score.false_block, 2);
+  EXPECT_EQ(score.unknown_of_blocked, 1);
+  EXPECT_EQ(score.unknown_of_free, 1);
+}
+
+TEST(Score, DoesNotScoreFramesWhereOnlyTheInflatedBoxIsHit) {
+  const Score score = Recording()
+                          .add(kBorderlineTruth, State::Free)
+                          .add(kBorderlineTruth, State::Blocked)
+                          .add(kFreeTruth, State::Free)
+                          .score();
+  EXPECT_EQ(score.borderline, 2);
+  EXPECT_EQ(score.blocked, 0);
+  EXPECT_EQ(score.free, 1);
+  EXPECT_EQ(score.false_free + score.false_block, 0);
+}
+
+TEST(Score, MeasuresDistanceOnlyWhereBothSayBlockedAtADistance) {
+  const Score score = Recording()
+                          .add(kBlockedTruth, State::Blocked, 2.75)
+                          .add(kBlockedTruth, State::Blocked, kInfinity)  // by the fused range alone
+                          .add(kBlockedTruth, State::Unknown, 1.0)
+                          .add(kFreeTruth, State::Blocked, 1.0)
+                          .score();
+  EXPECT_EQ(score.distance_errors_m, std::vector<double>{0.25});
+}
+
+TEST(Score, TimesTheReactionToEachChangeOfTruth) {
+  const Score score = Recording()
+                          .add(kFreeTruth, State::Free)
+                          .add(kBorderlineTruth, State::Free)
+                          .add(kBlockedTruth, State::Free)
+                          .add(kBlockedTruth, State::Unknown)
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kBlockedTruth, State::Free)  // a relapse is a false FREE, not a reaction
+                          .add(kFreeTruth, State::Free)
+                          .score();
+  ASSERT_EQ(score.reactions.size(), 2u);
+  EXPECT_EQ(score.reactions[0].truth, State::Blocked);
+  EXPECT_EQ(score.reactions[0].stamp, ros::Time(100, 200000000));
+  EXPECT_NEAR(score.reactions[0].delay_s, 0.2, 1e-9);
+  EXPECT_EQ(score.reactions[0].delay_frames, 2);
+  EXPECT_EQ(score.reactions[1].truth, State::Free);
+  EXPECT_EQ(score.reactions[1].delay_s, 0.0);
+}
+
+TEST(Score, SaysWhenTheVerdictNeverFollowed) {
+  const Score score =
+      Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Unknown).add(kFreeTruth, State::Free).score();
+  ASSERT_EQ(score.reactions.size(), 2u);
+  EXPECT_TRUE(std::isnan(score.reactions[0].delay_s));
+  EXPECT_EQ(score.reactions[0].delay_frames, 1);
+  EXPECT_EQ(score.reactions[1].delay_s, 0.0);
+}
+
+TEST(Score, StartsTheClockAnewForEachRecording) {
+  Score score;
+  const Recording free = Recording().add(kFreeTruth, State::Free),
+                  blocked = Recording().add(kBlockedTruth, State::Free);
+  addRecording(free.results_, free.truth_, score);
+  addRecording(blocked.results_, blocked.truth_, score);
+  EXPECT_EQ(score.free + score.blocked, 2);
+  EXPECT_TRUE(score.reactions.empty());
+}
+
+TEST(Score, CountsTruthWithoutAVerdict) {
+  Recording recording = Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Blocked);
+  recording.results_.pop_back();
+  EXPECT_EQ(recording.score().unanswered, 1);
+  EXPECT_EQ(recording.score().blocked, 0);
+}
+
+TEST(Score, RefusesResultsOfAnotherRecording) {
+  Recording recording = Recording().add(kFreeTruth, State::Free);
+  recording.results_[0].stamp = ros::Time(5, 0);
+  EXPECT_THROW(recording.score(), std::runtime_error);
+}
+
+// Published example: 10 of 100 has the Wilson interval [0.0552, 0.1744]; 0 of n ends at z^2/(n + z^2).
+TEST(WilsonUpperBound, AgreesWithClosedForms) {
+  EXPECT_NEAR(wilsonUpperBound(10, 100), 0.1744, 5e-5);
+  EXPECT_NEAR(wilsonUpperBound(0, 100), 3.8415 / 103.8415, 1e-6);
+  EXPECT_NEAR(wilsonUpperBound(100, 100), 1.0, 1e-12);
+  EXPECT_TRUE(std::isnan(wilsonUpperBound(0, 0)));
+}
+
+TEST(Statistics, VarianceDividesByOneLessThanTheCount) {
+  const SampleStatistics result = statistics({1.0, 2.0, 4.0, 5.0});
+  EXPECT_EQ(result.count, 4u);
+  EXPECT_EQ(result.mean_m, 3.0);
+  EXPECT_NEAR(result.variance_m2, 10.0 / 3.0, 1e-12);
+  EXPECT_EQ(result.drift_m, 3.0);
+}
+
+TEST(Statistics, OneSampleHasNoVariance) { EXPECT_TRUE(std::isnan(statistics({1.0}).variance_m2)); }
+
+TEST(Quantile, IsLinearBetweenValues) {
+  EXPECT_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_EQ(quantile({1.0, 2.0}, 0.5), 1.5);
+  EXPECT_EQ(quantile({1.0, 2.0}, 1.0), 2.0);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools
