@@ -4,7 +4,7 @@ import pathlib
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PROGRAMS = ROOT / "build" / "ws" / "devel" / "lib" / "flight_corridor"
+PROGRAMS = ROOT / ".build" / "ws" / "devel" / "lib" / "flight_corridor"
 
 
 class ToolError(Exception):

@@ -31,6 +31,7 @@ void CloudBuilder::depth(const Disparity& disparity, const ScaleCorrection& corr
   };
   convert(disparity.matched_px, out.matched_m);
   convert(disparity.filtered_px, out.filled_m);
+  out.matched_m.copyTo(out.filled_m, out.matched_m == out.matched_m);
 }
 
 void CloudBuilder::cloud(const cv::Mat& depth_m, const cv::Mat& left, double voxel_m, Cloud& out) {

@@ -70,12 +70,10 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
   }
 }
 
-void OccupancyMap::insert(const DepthImages& depth, const Eigen::Isometry3d& T_M_C) {
-  measureRays(depth);
+void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
+  measureRays(depth_m);
   pyramid_.build(near_m_, far_m_, config_.min_ray_fraction);
-  points_.clear();
-  countPoints(depth.matched_m, T_M_C.cast<float>(), &CellPoints::matched);
-  countPoints(depth.filled_m, T_M_C.cast<float>(), &CellPoints::filled);
+  countPoints(depth_m, T_M_C.cast<float>());
 
   const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
   orientCubes(T_C_M);
@@ -83,31 +81,29 @@ void OccupancyMap::insert(const DepthImages& depth, const Eigen::Isometry3d& T_M
   visit({octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation()});
 }
 
-/// A ray is free up to the nearer of the two images' surfaces and may end at the farther one.
-void OccupancyMap::measureRays(const DepthImages& depth) {
-  near_m_.create(depth.matched_m.size(), CV_32FC1);
-  far_m_.create(depth.matched_m.size(), CV_32FC1);
-  const float band = static_cast<float>(config_.free_band_px);
-  for (int v = 0; v < near_m_.rows; ++v) {
-    const auto* matched = depth.matched_m.ptr<float>(v);
-    const auto* filled = depth.filled_m.ptr<float>(v);
+void OccupancyMap::measureRays(const cv::Mat& depth_m) {
+  near_m_.create(depth_m.size(), CV_32FC1);
+  far_m_.create(depth_m.size(), CV_32FC1);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const auto* surface = depth_m.ptr<float>(v);
     auto* near_row = near_m_.ptr<float>(v);
     auto* far_row = far_m_.ptr<float>(v);
-    for (int u = 0; u < near_m_.cols; ++u) {
-      near_row[u] = static_cast<float>(geometry_.shiftedDepth(std::fmin(matched[u], filled[u]), band));
-      far_row[u] = static_cast<float>(geometry_.shiftedDepth(std::fmax(matched[u], filled[u]), -band));
+    for (int u = 0; u < depth_m.cols; ++u) {
+      near_row[u] = static_cast<float>(geometry_.shiftedDepth(surface[u], config_.free_band_px));
+      far_row[u] = static_cast<float>(geometry_.shiftedDepth(surface[u], -config_.free_band_px));
     }
   }
 }
 
 /// Neighbouring pixels mostly fall into one cell, so that runs of them are looked up once.
-void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C, int CellPoints::*counter) {
+void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C) {
+  points_.clear();
   const StereoCalibration& calibration = geometry_.calibration();
   const float max_range_m = static_cast<float>(config_.max_range_m);
   octomap::OcTreeKey run_key;
   int run = 0;
   const auto flush = [&] {
-    if (run > 0) points_[run_key].*counter += run;
+    if (run > 0) points_[run_key] += run;
     run = 0;
   };
   for (int v = 0; v < depth_m.rows; ++v) {
@@ -213,7 +209,7 @@ bool OccupancyMap::isHit(const Cube& cube) const {
   const StereoCalibration& calibration = geometry_.calibration();
   const double face_px = calibration.fx_px * calibration.fy_px * std::pow(config_.resolution_m / cube.centre_C.z(), 2);
   const double enough = std::max<double>(config_.min_hit_points, config_.hit_fraction * face_px);
-  return std::max(found->second.matched, found->second.filled) >= enough;
+  return found->second >= enough;
 }
 
 /// The node of the path at a depth; what is missing of the path comes into being, a pruned parent is taken apart first.

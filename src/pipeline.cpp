@@ -166,7 +166,7 @@ double Pipeline::lidarRange(double stamp_s) const {
 
 void Pipeline::updateMap() {
   if (config_.map.frame_id.empty()) map_.clear();
-  map_.insert(depth_, T_M_C_);
+  map_.insert(depth_.filled_m, T_M_C_);
   if (const double range_m = report_.range.range_m;
       std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * beam_.point(0.0), T_M_C_ * beam_.point(range_m), true);
@@ -216,7 +216,7 @@ std::optional<double> Pipeline::beamEndInBox() const {
 
 const Cloud& Pipeline::cloud() {
   if (!cloud_is_current_ && !left_.empty()) {
-    cloud_builder_.cloud(depth_.matched_m, left_, config_.map.resolution_m, cloud_);
+    cloud_builder_.cloud(depth_.filled_m, left_, config_.map.resolution_m, cloud_);
     cloud_is_current_ = true;
   }
   return cloud_;

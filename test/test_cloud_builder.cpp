@@ -11,23 +11,28 @@ namespace {
 
 const StereoGeometry kGeometry(test_support::smallCalibration());
 
-TEST(CloudBuilder, DepthIsOfTheCorrectedDisparity) {
+TEST(CloudBuilder, DepthIsOfTheCorrectedDisparityAndTheFillStandsOnlyWhereNothingMatched) {
   ScaleCorrection scale((ScaleConfig()));
   for (int i = 0; i < 50; ++i) scale.update(i, 10.0, 10.5, 0.05);
   Disparity disparity;
   disparity.matched_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(10.0));
-  disparity.filtered_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
+  disparity.filtered_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(20.0));
+  disparity.matched_px.at<float>(1, 1) = disparity.matched_px.at<float>(2, 2) = static_cast<float>(kNaN);
+  disparity.filtered_px.at<float>(2, 2) = static_cast<float>(kNaN);
   DepthImages depth;
   CloudBuilder(CloudConfig(), kGeometry).depth(disparity, scale, depth);
   EXPECT_NEAR(depth.matched_m.at<float>(100, 100), kGeometry.depth(scale.correct(10.0)), 1e-6);
-  EXPECT_TRUE(std::isnan(depth.filled_m.at<float>(100, 100)));
+  EXPECT_EQ(depth.filled_m.at<float>(100, 100), depth.matched_m.at<float>(100, 100));
+  EXPECT_TRUE(std::isnan(depth.matched_m.at<float>(1, 1)));
+  EXPECT_NEAR(depth.filled_m.at<float>(1, 1), kGeometry.depth(scale.correct(20.0)), 1e-6);
+  EXPECT_TRUE(std::isnan(depth.filled_m.at<float>(2, 2)));
 }
 
 TEST(CloudBuilder, ACloudHoldsOnePointForEachVoxelOfAWall) {
   CloudBuilder builder(CloudConfig(), kGeometry);
   const cv::Mat left(kGeometry.size(), CV_8UC1, cv::Scalar(77));
   Cloud cloud;
-  builder.cloud(test_support::wallDepth(kGeometry.size(), 4.05).matched_m, left, 0.1, cloud);
+  builder.cloud(test_support::wallDepth(kGeometry.size(), 4.05), left, 0.1, cloud);
   const double width_m = 4.05 * 320 / 175, height_m = 4.05 * 240 / 175;
   EXPECT_NEAR(cloud.size(), width_m * height_m / 0.01, 0.05 * cloud.size());  // cells cut by the image's border
   for (const auto& point : cloud) {
@@ -49,8 +54,7 @@ TEST(CloudBuilder, LonePixelsAreNoise) {
 TEST(CloudBuilder, NothingBeyondTheRangeIsKept) {
   CloudBuilder builder(CloudConfig(), kGeometry);
   Cloud cloud;
-  builder.cloud(test_support::wallDepth(kGeometry.size(), 8.1).matched_m, cv::Mat(kGeometry.size(), CV_8UC1), 0.1,
-                cloud);
+  builder.cloud(test_support::wallDepth(kGeometry.size(), 8.1), cv::Mat(kGeometry.size(), CV_8UC1), 0.1, cloud);
   EXPECT_TRUE(cloud.empty());
 }
 

@@ -54,6 +54,7 @@ TEST(StereoGeometry, ShiftingDepthAddsDisparity) {
   const StereoGeometry geometry(vgaCalibration());
   EXPECT_NEAR(geometry.disparity(geometry.shiftedDepth(4.0, 0.5)), geometry.disparity(4.0) + 0.5, 1e-12);
   EXPECT_EQ(geometry.shiftedDepth(60.0, -0.7), kInfinity);  // 60 m have 0.7 px
+  EXPECT_TRUE(std::isnan(geometry.shiftedDepth(kNaN, 0.5)));
 }
 
 TEST(StereoGeometry, AForwardFrameLooksAlongTheOpticalAxis) {

@@ -36,10 +36,10 @@ class OccupancyMap {
   /// @throws std::invalid_argument with every broken rule.
   OccupancyMap(const MapConfig& config, const StereoGeometry& geometry);
 
-  /// Hits: cells holding enough points of either image for their distance. Misses: cells that the rays through them end
-  /// beyond, coarse to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
-  /// @param depth  both images of geometry.size(), depth along z of C [m], NaN = no ray.
-  void insert(const DepthImages& depth, const Eigen::Isometry3d& T_M_C);
+  /// Hits: cells holding enough points for their distance. Misses: cells that the rays through them end beyond, coarse
+  /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
+  /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
+  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
   /// @param hit false: nothing was met up to the end.
@@ -58,14 +58,11 @@ class OccupancyMap {
     octomap::OcTreeNode* makeRoot();
   };
   struct Cube;
-  struct CellPoints {
-    int matched = 0, filled = 0;
-  };
-  using CellCounts = std::unordered_map<octomap::OcTreeKey, CellPoints, octomap::OcTreeKey::KeyHash>;
+  using CellCounts = std::unordered_map<octomap::OcTreeKey, int, octomap::OcTreeKey::KeyHash>;
   enum class Sight { Free, Nothing, Mixed };
 
-  void measureRays(const DepthImages& depth);
-  void countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C, int CellPoints::*counter);
+  void measureRays(const cv::Mat& depth_m);
+  void countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C);
   void orientCubes(const Eigen::Isometry3f& T_C_M);
   bool visit(const Cube& cube);
   Sight look(const Cube& cube) const;

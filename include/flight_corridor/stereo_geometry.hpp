@@ -46,7 +46,7 @@ class StereoGeometry {
   /// 0.
   double shiftedDepth(double depth_m, double shift_px) const {
     const double divisor = 1.0 + depth_m * shift_px / focal_baseline_px_m_;
-    return divisor > 0.0 ? depth_m / divisor : kInfinity;
+    return divisor <= 0.0 ? kInfinity : depth_m / divisor;  // NaN stays NaN
   }
 
   /// What a matcher's u_l - u_r holds too much: cx_l - cx_r [px].

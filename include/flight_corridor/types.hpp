@@ -41,8 +41,9 @@ struct StereoFrame {
 
 /// Depth along z of C [m], CV_32FC1, NaN = nothing.
 struct DepthImages {
-  cv::Mat matched_m;  ///< From matches alone: the evidence that keeps thin things.
-  cv::Mat filled_m;   ///< Edge-preserving fill: evidence on surfaces with little texture.
+  cv::Mat matched_m;  ///< From matches alone: what keeps thin things.
+  cv::Mat filled_m;   ///< The same where matched, elsewhere the confident fill: what also holds surfaces with little
+                      ///< texture.
 };
 
 /// One reading of the one-dimensional LiDAR, as the driver gave it.

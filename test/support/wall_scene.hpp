@@ -7,13 +7,8 @@
 
 namespace flight_corridor::test_support {
 
-/// Depth images of a wall square to the optical axis, both alike.
-inline DepthImages wallDepth(cv::Size size, double depth_m) {
-  DepthImages depth;
-  depth.matched_m = cv::Mat(size, CV_32FC1, cv::Scalar(depth_m));
-  depth.filled_m = depth.matched_m.clone();
-  return depth;
-}
+/// Depth image of a wall square to the optical axis.
+inline cv::Mat wallDepth(cv::Size size, double depth_m) { return cv::Mat(size, CV_32FC1, cv::Scalar(depth_m)); }
 
 /// A stereo pair of a noise-textured wall square to the optical axis: every pixel has the same whole disparity
 /// (principal-point difference not included).
