@@ -10,6 +10,7 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr float kKeyOrigin = 32768.0f;     // OctoMap's key of the coordinate 0
 constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this reach behind the camera's optical centre
 
 }  // namespace
@@ -54,12 +55,17 @@ octomap::OcTreeNode* OccupancyMap::Tree::makeRoot() {
 }
 
 OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry)
-    : config_(config), geometry_(geometry), tree_((throwIfBroken(check(config)), config.resolution_m)) {
+    : config_(config),
+      geometry_(geometry),
+      tree_((throwIfBroken(check(config)), config.resolution_m)),
+      focal_px_(geometry.calibration().fx_px, geometry.calibration().fy_px),
+      centre_px_(geometry.calibration().cx_px, geometry.calibration().cy_px) {
   tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
   tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
   tree_.setProbHit(octomap::probability(config.log_odds_hit));
   tree_.setProbMiss(octomap::probability(config.log_odds_miss));
   half_edges_C_.resize(tree_.getTreeDepth() + 1);
+  cube_reach_C_.resize(tree_.getTreeDepth() + 1);
   path_.resize(tree_.getTreeDepth() + 1);
   child_of_path_.resize(tree_.getTreeDepth() + 1);
   const Eigen::Vector3d corners_C[] = {geometry_.point(0, 0, 1), geometry_.point(geometry_.size().width - 1, 0, 1),
@@ -98,8 +104,9 @@ void OccupancyMap::measureRays(const cv::Mat& depth_m) {
 /// Neighbouring pixels mostly fall into one cell, so that runs of them are looked up once.
 void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C) {
   points_.clear();
-  const StereoCalibration& calibration = geometry_.calibration();
   const float max_range_m = static_cast<float>(config_.max_range_m);
+  const float cells_per_m = static_cast<float>(1.0 / config_.resolution_m);
+  const Eigen::Array3f key_origin = Eigen::Array3f::Constant(kKeyOrigin);
   octomap::OcTreeKey run_key;
   int run = 0;
   const auto flush = [&] {
@@ -108,13 +115,15 @@ void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& 
   };
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* row = depth_m.ptr<float>(v);
-    const float y = static_cast<float>((v - calibration.cy_px) / calibration.fy_px);
+    const float y = (static_cast<float>(v) - centre_px_.y()) / focal_px_.y();
     for (int u = 0; u < depth_m.cols; ++u) {
       if (!(row[u] <= max_range_m)) continue;
-      const float x = static_cast<float>((u - calibration.cx_px) / calibration.fx_px);
-      const Eigen::Vector3f p_M = T_M_C * (Eigen::Vector3f(x, y, 1.0f) * row[u]);
-      octomap::OcTreeKey key;
-      if (!tree_.coordToKeyChecked(octomap::point3d(p_M.x(), p_M.y(), p_M.z()), key)) continue;
+      const float x = (static_cast<float>(u) - centre_px_.x()) / focal_px_.x();
+      const Eigen::Array3f cell = (T_M_C * (Eigen::Vector3f(x, y, 1.0f) * row[u])).array() * cells_per_m + key_origin;
+      if ((cell < 0.0f).any() || (cell >= 2.0f * key_origin).any()) continue;  // outside what an octree can hold
+      const Eigen::Array3i index = cell.cast<int>();
+      const octomap::OcTreeKey key(static_cast<octomap::key_type>(index.x()), static_cast<octomap::key_type>(index.y()),
+                                   static_cast<octomap::key_type>(index.z()));
       if (run == 0 || key != run_key) flush();
       run_key = key;
       ++run;
@@ -126,6 +135,7 @@ void OccupancyMap::countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& 
 void OccupancyMap::orientCubes(const Eigen::Isometry3f& T_C_M) {
   for (unsigned depth = 0; depth < half_edges_C_.size(); ++depth) {
     half_edges_C_[depth] = T_C_M.linear() * static_cast<float>(0.5 * tree_.getNodeSize(depth));
+    cube_reach_C_[depth] = half_edges_C_[depth].cwiseAbs().rowwise().sum();
   }
 }
 
@@ -165,41 +175,39 @@ bool OccupancyMap::visit(const Cube& cube) {
   return changed;
 }
 
-/// What the rays that meet a cube say of it. At leaves a part of the rays is enough.
+/// What the rays that meet a cube say of it. At leaves a part of the rays is enough. The cube is bounded by a box
+/// square to the camera, whose image is bounded by its sides at its nearest or farthest depth.
 OccupancyMap::Sight OccupancyMap::look(const Cube& cube) const {
-  const Eigen::Matrix3f& half = half_edges_C_[cube.depth];
-  const bool leaf = cube.depth == tree_.getTreeDepth();
-  const float half_depth_m = half.row(2).cwiseAbs().sum();
-  const float nearest_m = cube.centre_C.z() - half_depth_m;
-  const float farthest_m = cube.centre_C.z() + half_depth_m;
+  const Eigen::Array3f reach_C = cube_reach_C_[cube.depth];
+  const Eigen::Array3f low_C = cube.centre_C.array() - reach_C, high_C = cube.centre_C.array() + reach_C;
+  const float nearest_m = low_C.z(), farthest_m = high_C.z();
   if (farthest_m <= 0.0f || nearest_m > config_.max_range_m) return Sight::Nothing;
-  for (const Eigen::Vector3f& normal_C : view_sides_C_) {
-    if (normal_C.dot(cube.centre_C) > (half.transpose() * normal_C).lpNorm<1>()) return Sight::Nothing;
-  }
-  if (nearest_m < kSmallestDepth_m) return Sight::Mixed;
+  if (nearest_m < kSmallestDepth_m) return isBesideView(cube) ? Sight::Nothing : Sight::Mixed;
 
-  const StereoCalibration& calibration = geometry_.calibration();
-  Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::max()), high = -low;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3f p_C = cube.centre_C + (corner & 1u ? 1.0f : -1.0f) * half.col(0) +
-                                (corner & 2u ? 1.0f : -1.0f) * half.col(1) + (corner & 4u ? 1.0f : -1.0f) * half.col(2);
-    const Eigen::Array2f pixel(
-        static_cast<float>(calibration.fx_px) * p_C.x() / p_C.z() + static_cast<float>(calibration.cx_px),
-        static_cast<float>(calibration.fy_px) * p_C.y() / p_C.z() + static_cast<float>(calibration.cy_px));
-    low = low.min(pixel);
-    high = high.max(pixel);
-  }
+  const Eigen::Array2f low_m = low_C.head<2>(), high_m = high_C.head<2>();
+  const Eigen::Array2f low =
+      (low_m / (low_m < 0.0f).select(Eigen::Array2f::Constant(nearest_m), farthest_m)) * focal_px_ + centre_px_;
+  const Eigen::Array2f high =
+      (high_m / (high_m > 0.0f).select(Eigen::Array2f::Constant(nearest_m), farthest_m)) * focal_px_ + centre_px_;
   const Eigen::Array2f last(near_m_.cols - 1, near_m_.rows - 1);
   if ((high < 0.0f).any() || (low > last).any()) return Sight::Nothing;
-  const Eigen::Array2i first_px = low.max(0.0f).floor().cast<int>(), last_px = high.min(last).ceil().cast<int>();
+  const Eigen::Array2i first_px = low.max(0.0f).cast<int>(), last_px = high.min(last).ceil().cast<int>();
   const DepthPyramid::Reach reach =
       pyramid_.reach({first_px.x(), first_px.y(), last_px.x() - first_px.x() + 1, last_px.y() - first_px.y() + 1});
   if (nearest_m > reach.farthest_m) return Sight::Nothing;
 
+  const bool leaf = cube.depth == tree_.getTreeDepth();
   const bool whole = (low >= 0.0f).all() && (high <= last).all();
   const bool seen_past = farthest_m <= std::min(reach.nearest_m, static_cast<float>(config_.max_range_m));
   const bool rays_enough = reach.tile_fraction >= (leaf ? static_cast<float>(config_.min_ray_fraction) : 1.0f);
   return whole && seen_past && rays_enough ? Sight::Free : Sight::Mixed;
+}
+
+/// Whether a cube lies outside one of the planes through the image's borders: for cubes too near to be projected.
+bool OccupancyMap::isBesideView(const Cube& cube) const {
+  return std::any_of(view_sides_C_.begin(), view_sides_C_.end(), [&](const Eigen::Vector3f& normal_C) {
+    return normal_C.dot(cube.centre_C) > normal_C.cwiseAbs().dot(cube_reach_C_[cube.depth].matrix());
+  });
 }
 
 /// Enough points for a cell at this distance: a full face shows f^2 r^2 / Z^2 of them.

@@ -66,6 +66,7 @@ class OccupancyMap {
   void orientCubes(const Eigen::Isometry3f& T_C_M);
   bool visit(const Cube& cube);
   Sight look(const Cube& cube) const;
+  bool isBesideView(const Cube& cube) const;
   bool isHit(const Cube& cube) const;
   octomap::OcTreeNode* materialise(unsigned depth, bool& created);
   void addToPath(unsigned depth, float log_odds);
@@ -74,11 +75,13 @@ class OccupancyMap {
   MapConfig config_;
   StereoGeometry geometry_;
   Tree tree_;
+  Eigen::Array2f focal_px_, centre_px_;  // of the left image
   DepthPyramid pyramid_;
   cv::Mat near_m_, far_m_;  // per pixel: up to where its ray is surely free, and where it ends at most
   CellCounts points_;
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::vector<Eigen::Matrix3f> half_edges_C_;    // per tree depth: columns are the cube's half edges in C
+  std::vector<Eigen::Array3f> cube_reach_C_;     // per tree depth: half extents of the box square to C around a cube
   std::vector<octomap::OcTreeNode*> path_;       // per tree depth: node of the cube being visited, null while unknown
   std::vector<unsigned> child_of_path_;          // per tree depth: which child of its parent that node is
   octomap::KeyRay beam_;
