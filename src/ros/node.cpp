@@ -36,7 +36,13 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
           "range", static_cast<std::uint32_t>(config_.ros.range_queue),
           [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
       watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
-      worker_([this] { work(); }) {}
+      worker_([this] { work(); }) {
+  if (config_.core.fusion.acceleration_sigma_mps2 == 0.0) {
+    ROS_WARN(
+        "fusion/acceleration_sigma_mps2 is 0: the filter's gain falls as 1/k and it stops following the range. "
+        "Not for flight");
+  }
+}
 
 Node::~Node() {
   inbox_.close();
