@@ -54,8 +54,11 @@ class Inspection {
   void judge(const octomap::OcTreeNode* node, const Eigen::Vector3d& centre_M) {
     const Eigen::Vector3d centre_F = T_F_M_ * centre_M;
     if (node && tree_.isNodeOccupied(node)) {
-      const double half_reach_m = 0.5 * tree_.getResolution() * T_F_M_.linear().row(0).lpNorm<1>();
-      clear_distance_m_ = std::min(clear_distance_m_, std::max(0.0, centre_F.x() - half_reach_m));
+      const double near_face_m = centre_F.x() - 0.5 * tree_.getResolution() * T_F_M_.linear().row(0).lpNorm<1>();
+      // A cell that begins where the box ends is not in the way: its obstacle is farther than D_min.
+      if (near_face_m < box_.size_m.x() - kTouch_m) {
+        clear_distance_m_ = std::min(clear_distance_m_, std::max(0.0, near_face_m));
+      }
     }
     const bool inside = centre_F.x() >= blind_m_ && centre_F.x() <= box_.size_m.x() &&
                         2.0 * std::abs(centre_F.y()) <= box_.size_m.y() &&

@@ -52,6 +52,7 @@ CorridorOccupancy bruteForce(const octomap::OcTree& tree, const Box& box, double
             const Eigen::Vector3d to(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
             nearest = std::min(nearest, (T_F_M * (centre_M + 0.5 * kResolution_m * to)).x());
           }
+          if (nearest >= box.size_m.x() - 1e-6) continue;
           result.clear_distance_m = std::min(result.clear_distance_m, std::max(0.0, nearest));
         }
         const bool inside = blind_m <= centre_F.x() && centre_F.x() <= box.size_m.x() &&
@@ -165,6 +166,19 @@ TEST(Corridor, WideningTheBoxNeverImprovesTheAnswer) {
     EXPECT_LE(clear, before) << "margin " << margin;
     before = clear;
   }
+}
+
+TEST(Corridor, CellsBesideTheBoxBlockItCellsBehindItsEndDoNot) {
+  const Corridor corridor((CorridorConfig()));
+  const auto clear = [&](float x, float y) {
+    octomap::OcTree tree(kResolution_m);
+    tree.setNodeValue(octomap::point3d(x, y, 0.05f), 1.0f);
+    return corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kEverywhere).clear_distance_m;
+  };
+  EXPECT_NEAR(clear(2.05f, 0.65f), 2.0, 1e-6);  // 0.6 to 0.7 m to the left: touches
+  EXPECT_EQ(clear(2.05f, 0.75f), kInfinity);
+  EXPECT_NEAR(clear(3.95f, 0.05f), 3.9, 1e-6);
+  EXPECT_EQ(clear(4.05f, 0.05f), kInfinity);
 }
 
 TEST(Corridor, OffsetShiftsTheBoxForwardLeftAndUp) {
