@@ -9,7 +9,8 @@ STATES = ["UNKNOWN", "FREE", "BLOCKED"]  # by number, as in CorridorState.msg
 
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    return [row for row in rows if row["field.header.stamp"] != "0"]  # before the bag's clock the watchdog says UNKNOWN
 
 
 def print_table(rows):

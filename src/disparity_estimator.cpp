@@ -12,7 +12,9 @@ namespace flight_corridor {
 namespace {
 
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
-constexpr int kBelowZero_px = 2;  // disparities searched below zero: far surfaces of a rig with offset
+constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
+constexpr int kSupport_px = 31;           // matches so far around support a fill
+constexpr double kSupportSlack_px = 1.0;  // rounding of disparity at half size
 constexpr float kSmallestDisparity_px = 1.0f / kFixedPoint;  // "as far as can be told"
 
 std::optional<int> matcherMode(const std::string& name) {
@@ -120,6 +122,21 @@ void DisparityEstimator::fill(Disparity& out) {
   wls_->getConfidenceMap()(image_area_).convertTo(out.confidence, CV_32F, 1.0 / 255.0);
   cv::compare(out.confidence, config_.wls_min_confidence, keep_, cv::CMP_GE);
   toPixels(filtered_fixed_(image_area_), keep_, out.filtered_px);
+  rejectInvented(out);
+}
+
+/// A fill interpolates: what lies outside the matches around it, or has none around it, was invented, however
+/// confident.
+void DisparityEstimator::rejectInvented(Disparity& out) {
+  static const cv::Mat kAround = cv::getStructuringElement(cv::MORPH_RECT, {kSupport_px, kSupport_px});
+  const cv::Mat unmatched = out.matched_px != out.matched_px;
+  out.matched_px.copyTo(support_);
+  support_.setTo(-kInfinity, unmatched);
+  cv::dilate(support_, highest_, kAround);
+  support_.setTo(kInfinity, unmatched);
+  cv::erode(support_, lowest_, kAround);
+  cv::bitwise_or(out.filtered_px > highest_ + kSupportSlack_px, out.filtered_px < lowest_ - kSupportSlack_px, keep_);
+  out.filtered_px.setTo(kNaN, keep_);
 }
 
 bool DisparityEstimator::observes(const Eigen::Vector3d& p_C) const {

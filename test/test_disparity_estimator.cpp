@@ -61,6 +61,18 @@ TEST(DisparityEstimator, BlankImagesGiveNoDisparity) {
   EXPECT_EQ(disparity.matched_fraction, 0.0);
 }
 
+TEST(DisparityEstimator, TheFillInventsNothingWhereNothingMatched) {
+  const StereoGeometry geometry(smallCalibration());
+  DisparityEstimator estimator(StereoConfig(), geometry);
+  StereoFrame frame = wallFrame(geometry, 12, 0.0);
+  frame.left.rowRange(0, 120).setTo(255);  // saturated sky
+  frame.right.rowRange(0, 120).setTo(255);
+  Disparity disparity;
+  estimator.estimate(frame, disparity);
+  EXPECT_EQ(cv::countNonZero(disparity.filtered_px.rowRange(0, 100) > 0.0), 0);
+  EXPECT_GT(shareRight(disparity.filtered_px.rowRange(130, 240), 12.0), 0.75);
+}
+
 TEST(DisparityEstimator, ConfidenceLiesBetweenZeroAndOneAndWeakFillsAreLeftOut) {
   const StereoGeometry geometry(smallCalibration());
   const StereoConfig config;

@@ -31,7 +31,7 @@ Violations check(const StereoConfig& config);
 /// What the matcher saw. All maps have the image's size; principal-point difference removed; NaN = nothing.
 struct Disparity {
   cv::Mat matched_px;             ///< CV_32FC1: unique, left-right consistent, textured matches. The evidence.
-  cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill of the matches, confident pixels only.
+  cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill between the matches, confident pixels only.
   cv::Mat confidence;             ///< CV_32FC1 [0..1]: of filtered_px.
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
 };
@@ -54,6 +54,7 @@ class DisparityEstimator {
   void pad(const cv::Mat& image, cv::Mat& padded) const;
   void match(const StereoFrame& frame, Disparity& out);
   void fill(Disparity& out);
+  void rejectInvented(Disparity& out);
   void toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const;
 
   StereoConfig config_;
@@ -68,6 +69,7 @@ class DisparityEstimator {
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
   cv::Mat left_padded_, right_padded_, left_half_, right_half_;
   cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_, keep_;
+  cv::Mat support_, lowest_, highest_;
 };
 
 }  // namespace flight_corridor
