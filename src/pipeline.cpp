@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace flight_corridor {
 
@@ -83,6 +84,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
   left_ = frame.left;
+  is_one_image_ = cv::norm(frame.left, frame.right, cv::NORM_INF) == 0.0;
   cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
@@ -189,10 +191,11 @@ void Pipeline::decide() {
   because(beam_end_m.has_value(), kShortRange);
   const bool blocked = verdict.reasons != 0;
   if (blocked) blocked_s_ = verdict.stamp_s;
+  because(is_one_image_, kBadImage);  // one camera on both topics: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  const bool hidden = (verdict.reasons & (kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
+  const bool hidden = (verdict.reasons & (kBadImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
   because(report_.range.disagreement, kDisagreement);

@@ -109,6 +109,15 @@ TEST(Pipeline, BadInputIsUnknownWithItsReason) {
   EXPECT_EQ(pipeline.counters().frames_refused, 5u);
 }
 
+TEST(Pipeline, OneCameraOnBothTopicsIsNeverFree) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
+  frame.right = frame.left.clone();
+  const Report& report = pipeline.process(frame);
+  EXPECT_EQ(report.verdict.state, State::Unknown);
+  EXPECT_TRUE(report.verdict.reasons & kBadImage);
+}
+
 TEST(Pipeline, AMapInTheWorldNeedsAPose) {
   Config config;
   config.map.frame_id = "odom";

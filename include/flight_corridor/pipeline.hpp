@@ -121,6 +121,7 @@ class Pipeline {
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Cloud cloud_;
   bool cloud_is_current_ = false;
+  bool is_one_image_ = false;  // left and right are equal to the last bit
   Report report_;
   Counters counters_;
 };

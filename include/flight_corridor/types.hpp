@@ -67,7 +67,7 @@ enum Reason : std::uint32_t {
   kUnobserved = 1u << 2,        ///< UNKNOWN: too much of the observable box has not been seen.
   kNoData = 1u << 3,            ///< UNKNOWN: no stereo pair, or the newest one is too old.
   kNoPose = 1u << 4,            ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
-  kBadImage = 1u << 5,          ///< UNKNOWN: empty image, wrong size or unknown encoding.
+  kBadImage = 1u << 5,          ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,    ///< UNKNOWN: impossible or missing CameraInfo.
   kNoDisparity = 1u << 7,       ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
   kDisagreement = 1u << 8,      ///< LiDAR and stereo disagree lastingly; the nearer one rules.
