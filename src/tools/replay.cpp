@@ -5,9 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 
 #include "ros/conversions.hpp"
 #include "tools/command_line.hpp"
@@ -114,7 +117,19 @@ cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
                                                : flight_corridor_ros::toGrey(message);
 }
 
+/// @throws std::runtime_error when an output would overwrite the bag that is being read.
+void keepInput(const CommandLine& options) {
+  namespace fs = std::filesystem;
+  for (const char* output : {"csv", "out", "video"}) {
+    std::error_code neither_exists;
+    if (options.given(output) && fs::equivalent(options.text("bag"), options.text(output), neither_exists)) {
+      throw std::runtime_error("--" + std::string(output) + " " + options.text(output) + ": is the bag to read");
+    }
+  }
+}
+
 int replay(const CommandLine& options) {
+  keepInput(options);
   const flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
   const std::string path = options.text("bag");
   const StereoBagReader bag(path, topicsFrom(options));
