@@ -110,6 +110,8 @@ void DisparityEstimator::match(const StereoFrame& frame, Disparity& out) {
   cv::boxFilter(gradient_, texture_, CV_32F, {config_.block_size_px, config_.block_size_px});
   cv::compare(texture_, config_.texture_min, keep_, cv::CMP_GE);
   toPixels(left_fixed_(image_area_), keep_, out.matched_px);
+  refiner_.refine(frame.left, frame.right, out.matched_px);
+  removeDifference(out.matched_px);
   out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(frame.left.total());
 }
 
@@ -122,6 +124,7 @@ void DisparityEstimator::fill(Disparity& out) {
   wls_->getConfidenceMap()(image_area_).convertTo(out.confidence, CV_32F, 1.0 / 255.0);
   cv::compare(out.confidence, config_.wls_min_confidence, keep_, cv::CMP_GE);
   toPixels(filtered_fixed_(image_area_), keep_, out.filtered_px);
+  removeDifference(out.filtered_px);
   rejectInvented(out);
 }
 
@@ -146,11 +149,9 @@ bool DisparityEstimator::observes(const Eigen::Vector3d& p_C) const {
          matcher_px < min_disparity_px_ + config_.num_disparities_px - 1;
 }
 
-/// Fixed point to pixels, principal-point difference removed; what is not kept, not matched or not on the right image:
-/// NaN.
+/// Fixed point to pixels; what is not kept, not matched or not on the right image: NaN.
 void DisparityEstimator::toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const {
   disparity_px.create(fixed.size(), CV_32FC1);
-  const float difference = static_cast<float>(geometry_.principalPointDifference());
   const int unmatched = min_disparity_px_ * kFixedPoint;  // the matcher marks with one below
   for (int v = 0; v < fixed.rows; ++v) {
     const auto* in = fixed.ptr<std::int16_t>(v);
@@ -158,10 +159,14 @@ void DisparityEstimator::toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv:
     auto* out = disparity_px.ptr<float>(v);
     for (int u = 0; u < fixed.cols; ++u) {
       const bool valid = kept[u] && in[u] >= unmatched && in[u] <= u * kFixedPoint;
-      const float disparity = static_cast<float>(in[u]) / kFixedPoint - difference;
-      out[u] = valid ? std::max(disparity, kSmallestDisparity_px) : std::numeric_limits<float>::quiet_NaN();
+      out[u] = valid ? static_cast<float>(in[u]) / kFixedPoint : std::numeric_limits<float>::quiet_NaN();
     }
   }
+}
+
+void DisparityEstimator::removeDifference(cv::Mat& disparity_px) const {
+  disparity_px -= geometry_.principalPointDifference();
+  disparity_px.setTo(kSmallestDisparity_px, disparity_px < kSmallestDisparity_px);
 }
 
 }  // namespace flight_corridor

@@ -28,6 +28,9 @@ void append(Violations& all, const Violations& some) { all.insert(all.end(), som
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
+/// To the last bit, which a camera's noise does not allow two images.
+bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0.0; }
+
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
   return config;
@@ -83,8 +86,11 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   ++counters_.frames;
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
-  left_ = frame.left;
-  is_one_image_ = cv::norm(frame.left, frame.right, cv::NORM_INF) == 0.0;
+  is_one_image_ = same(frame.left, frame.right);
+  is_frozen_ = frame.stamp_s != last_.stamp_s && (same(frame.left, last_.left) || same(frame.right, last_.right));
+  last_.stamp_s = frame.stamp_s;
+  frame.left.copyTo(last_.left);  // the caller may reuse its own
+  frame.right.copyTo(last_.right);
   cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
@@ -192,10 +198,12 @@ void Pipeline::decide() {
   const bool blocked = verdict.reasons != 0;
   if (blocked) blocked_s_ = verdict.stamp_s;
   because(is_one_image_, kBadImage);  // one camera on both topics: every surface would be infinitely far
+  because(is_frozen_, kFrozenImage);
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  const bool hidden = (verdict.reasons & (kBadImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
+  const bool hidden =
+      (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
   because(report_.range.disagreement, kDisagreement);
@@ -218,8 +226,8 @@ std::optional<double> Pipeline::beamEndInBox() const {
 }
 
 const Cloud& Pipeline::cloud() {
-  if (!cloud_is_current_ && !left_.empty()) {
-    cloud_builder_.cloud(depth_.filled_m, left_, config_.map.resolution_m, cloud_);
+  if (!cloud_is_current_ && !last_.left.empty()) {
+    cloud_builder_.cloud(depth_.filled_m, last_.left, config_.map.resolution_m, cloud_);
     cloud_is_current_ = true;
   }
   return cloud_;
@@ -230,6 +238,7 @@ void Pipeline::reset() {
   scale_.reset();
   map_.clear();
   lidar_.reset();
+  last_ = StereoFrame();
   blocked_s_ = -kInfinity;
 }
 

@@ -227,7 +227,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::NO_LIDAR, kNoLidar},
                                                       {CorridorState::LIDAR_REJECTED, kLidarRejected},
                                                       {CorridorState::NO_RANGE_OBSERVED, kNoRangeObserved},
-                                                      {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked}};
+                                                      {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked},
+                                                      {CorridorState::FROZEN_IMAGE, kFrozenImage}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }
 

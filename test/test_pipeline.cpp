@@ -118,6 +118,29 @@ TEST(Pipeline, OneCameraOnBothTopicsIsNeverFree) {
   EXPECT_TRUE(report.verdict.reasons & kBadImage);
 }
 
+TEST(Pipeline, FrozenCamerasAreNeverFree) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Free);
+  frame.stamp_s = 1.1;
+  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Unknown);
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.2)).verdict.state, State::Free);
+  StereoFrame half = wallFrame(kGeometry, 3, 1.3);
+  frame = wallFrame(kGeometry, 3, 1.2);
+  half.right = frame.right;
+  const Report& report = pipeline.process(half);
+  EXPECT_NE(report.verdict.state, State::Free);
+  EXPECT_TRUE(report.verdict.reasons & kFrozenImage);
+}
+
+TEST(Pipeline, FrozenCamerasStillBlock) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
+  pipeline.process(frame);
+  frame.stamp_s = 1.1;
+  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Blocked);
+}
+
 TEST(Pipeline, AMapInTheWorldNeedsAPose) {
   Config config;
   config.map.frame_id = "odom";

@@ -128,6 +128,15 @@ TEST_F(CsvTest, NamesAStampAndAStateThatAreNone) {
   EXPECT_EQ(error([&] { readResults(result); }), result + ":2: column 'state': must be FREE, BLOCKED or UNKNOWN");
 }
 
+TEST_F(CsvTest, NamesAStampThatIsThereTwiceOrRunsBack) {
+  const std::string twice = write("stamp,clear_exact,clear_shrunk,clear_inflated\n1.5,inf,inf,inf\n1.5,inf,inf,inf\n");
+  EXPECT_EQ(error([&] { readTruth(twice); }),
+            twice + ":3: column 'stamp': 1.500000000 is not later than the one before, 1.500000000");
+  const std::string back = write("stamp,state\n2,FREE\n1,FREE\n");
+  EXPECT_EQ(error([&] { readResults(back); }),
+            back + ":3: column 'stamp': 1.000000000 is not later than the one before, 2.000000000");
+}
+
 TEST_F(CsvTest, RefusesTruthThatIsNoDistance) {
   const std::string path = write("stamp,clear_exact,clear_shrunk,clear_inflated\n1,nan,inf,inf\n");
   EXPECT_EQ(error([&] { readTruth(path); }), path + ":2: column 'clear_exact': truth must be a distance >= 0 or inf");

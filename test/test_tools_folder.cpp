@@ -131,11 +131,49 @@ TEST_F(FolderTest, RefusesAZeroBaseline) {
   write("calib.yaml", "fx: 10\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0\ndoffs: 0\n");
   EXPECT_EQ(error().find(folder.path("calib.yaml") + ": "), 0u) << error();
   EXPECT_NE(error().find("baseline"), std::string::npos) << error();
+  EXPECT_FALSE(fs::exists(folder.path("out.bag")));
 }
 
 TEST_F(FolderTest, RefusesStampsThatDoNotMatchTheImages) {
   write("timestamps.csv", "frame,stamp_s\n0,1\n");
   EXPECT_EQ(error(), folder.path("timestamps.csv") + ": 1 stamps, but left/ holds 2 images");
+}
+
+TEST_F(FolderTest, RefusesStampsThatDoNotAscend) {
+  const std::string complaint = "column 'stamp_s': 1.000000000 is not later than the one before, ";
+  write("timestamps.csv", "frame,stamp_s\n0,1\n1,1\n");
+  EXPECT_EQ(error(), folder.path("timestamps.csv") + ":3: " + complaint + "1.000000000");
+  write("timestamps.csv", "frame,stamp_s\n0,1\n1,2\n");
+  write("range.csv", "# why\nframe,stamp_s,range_m\n1,2,2.5\n0,1,2.5\n");
+  EXPECT_EQ(error(), folder.path("range.csv") + ":4: " + complaint + "2.000000000");
+  write("range.csv", "frame,stamp_s,range_m\n0,1,2.5\n");
+  write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n2,1,2,3,0,0,0,1\n1,1,2,3,0,0,0,1\n");
+  EXPECT_EQ(error(), folder.path("poses.csv") + ":3: " + complaint + "2.000000000");
+}
+
+TEST_F(FolderTest, RefusesANegativeRangeButKeepsWhatRep117Allows) {
+  write("range.csv", "stamp_s,range_m\n1,inf\n2,-inf\n3,nan\n4,0\n");
+  EXPECT_EQ(readFolder(root(), 10.0).ranges_m.size(), 4u);
+  write("range.csv", "stamp_s,range_m\n1,-0.5\n");
+  EXPECT_EQ(error(), folder.path("range.csv") + ":2: column 'range_m': a range is not negative; too close is -inf");
+}
+
+TEST_F(FolderTest, RefusesAPositionThatIsNotFinite) {
+  write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n1,1,nan,3,0,0,0,1\n");
+  EXPECT_EQ(error(), folder.path("poses.csv") + ":2: column 'tx': the position is not finite");
+}
+
+TEST_F(FolderTest, NamesAMissingCalibrationOnce) {
+  fs::remove(folder.path("calib.yaml"));
+  EXPECT_EQ(error(), folder.path("calib.yaml") + ": cannot be read");
+}
+
+TEST_F(FolderTest, LeavesTheOldBagWhenItFails) {
+  std::ofstream(folder.path("out.bag")) << "old";
+  write("right/000001.png", "");
+  EXPECT_NE(error(), "");
+  EXPECT_EQ(fs::file_size(folder.path("out.bag")), 3u);
+  EXPECT_FALSE(fs::exists(folder.path("out.bag.active")));
 }
 
 TEST_F(FolderTest, RefusesAPoseWhoseQuaternionIsNone) {

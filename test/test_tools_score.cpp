@@ -117,7 +117,29 @@ TEST(Score, CountsTruthWithoutAVerdict) {
   Recording recording = Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Blocked);
   recording.results_.pop_back();
   EXPECT_EQ(recording.score().unanswered, 1);
+  EXPECT_EQ(recording.score().unanswered_blocked, 1);
   EXPECT_EQ(recording.score().blocked, 0);
+}
+
+TEST(FalseFreeComplaint, IsEmptyWhenEveryTrulyBlockedFrameWasNotCalledFree) {
+  EXPECT_EQ(falseFreeComplaint(Recording().add(kBlockedTruth, State::Unknown).score()), "");
+  EXPECT_EQ(falseFreeComplaint(Recording().add(kFreeTruth, State::Blocked).score()), "");
+}
+
+TEST(FalseFreeComplaint, CountsFalseFree) {
+  const Score score = Recording().add(kBlockedTruth, State::Blocked).add(kBlockedTruth, State::Free).score();
+  EXPECT_EQ(falseFreeComplaint(score), "truly blocked frames called FREE: 1");
+}
+
+TEST(FalseFreeComplaint, CountsTrulyBlockedFramesWithoutAVerdict) {
+  Recording recording = Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Blocked);
+  recording.results_.pop_back();
+  EXPECT_EQ(falseFreeComplaint(recording.score()), "truly blocked frames without a verdict: 1");
+}
+
+TEST(FalseFreeComplaint, IsThereWhenNothingWasScored) {
+  EXPECT_EQ(falseFreeComplaint(Recording().score()), "no frame could be scored");
+  EXPECT_EQ(falseFreeComplaint(Recording().add(kBorderlineTruth, State::Free).score()), "no frame could be scored");
 }
 
 TEST(Score, RefusesResultsOfAnotherRecording) {
@@ -139,8 +161,16 @@ TEST(Statistics, VarianceDividesByOneLessThanTheCount) {
   EXPECT_EQ(result.count, 4u);
   EXPECT_EQ(result.mean_m, 3.0);
   EXPECT_NEAR(result.variance_m2, 10.0 / 3.0, 1e-12);
-  EXPECT_EQ(result.drift_m, 3.0);
 }
+
+// Two samples a third: their means are 0, 6 and 0 around 2, so 2 * (4 + 16 + 4) of the squares lie between them and
+// 6 * 1 within.
+TEST(Statistics, TellsSlowMotionFromNoise) {
+  EXPECT_NEAR(statistics({-1.0, 1.0, 5.0, 7.0, -1.0, 1.0}).slow_share, 48.0 / 54.0, 1e-12);
+  EXPECT_EQ(statistics({-1.0, 1.0, 1.0, -1.0, -1.0, 1.0}).slow_share, 0.0);
+}
+
+TEST(Statistics, AConstantDoesNotMove) { EXPECT_EQ(statistics({2.0, 2.0, 2.0, 2.0}).slow_share, 0.0); }
 
 TEST(Statistics, OneSampleHasNoVariance) { EXPECT_TRUE(std::isnan(statistics({1.0}).variance_m2)); }
 

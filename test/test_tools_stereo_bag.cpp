@@ -2,7 +2,9 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "flight_corridor/corridor.hpp"
 #include "ros/conversions.hpp"
@@ -11,6 +13,8 @@
 
 namespace flight_corridor::tools {
 namespace {
+
+namespace fs = std::filesystem;
 
 const ros::Time kStart(1603715273, 262142977);
 
@@ -44,6 +48,24 @@ class StereoBagTest : public testing::Test {
     reading.max_range_m = 100.0;
     bag.writeRange(kStart + ros::Duration(0.05), reading);
     bag.close();
+  }
+
+  /// Makes the length that stands before the last such text in the bag absurd.
+  void damageLast(const std::string& text) const {
+    std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    file.seekp(static_cast<std::streamoff>(content.rfind(text) - 4));
+    file.write("\xff\xff\xff\xff", 4);
+  }
+
+  std::string playError() const {
+    const StereoBagReader bag(path(), {});
+    try {
+      bag.play({}, {[](const StereoMessages&) {}, [](const sensor_msgs::RangeConstPtr&) {}});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
   }
 
   std::string readError(const StereoTopics& topics) const {
@@ -151,11 +173,37 @@ TEST_F(StereoBagTest, PairsImagesOfSimilarStampsWhenAsked) {
   EXPECT_GE(count(pairing), 4);  // the policy may wait for one more before it lets the last one go
 }
 
-TEST_F(StereoBagTest, NamesAMissingBag) { EXPECT_EQ(readError({}).find(path() + ": cannot be read: "), 0u); }
+TEST_F(StereoBagTest, NamesAMissingBag) { EXPECT_EQ(readError({}), path() + ": cannot be read"); }
 
 TEST_F(StereoBagTest, NamesAFileThatIsNoBag) {
-  std::ofstream(path()) << "stamp,state\n";
-  EXPECT_EQ(readError({}).find(path() + ": cannot be read: "), 0u);
+  for (const char* text : {"", "#ROS", "stamp,state\n"}) {
+    std::ofstream(path()) << text;
+    EXPECT_EQ(readError({}), path() + ": cannot be read: is no bag");
+  }
+}
+
+TEST_F(StereoBagTest, NamesABagThatWasCutOffAndItsRemedy) {
+  writeFlight();
+  for (const std::uintmax_t size : {20u, 5000u}) {
+    fs::resize_file(path(), size);
+    const std::string error = readError({});
+    EXPECT_EQ(error.find(path() + ": cannot be read: "), 0u) << error;
+    EXPECT_NE(error.find("rosbag reindex " + path()), std::string::npos) << error;
+  }
+}
+
+TEST_F(StereoBagTest, NamesTheTopicOfADamagedMessage) {
+  writeFlight();
+  damageLast("range_link");  // of the range, which was written last
+  EXPECT_EQ(playError().find(path() + ": cannot be read: topic /range: "), 0u) << playError();
+}
+
+TEST_F(StereoBagTest, NamesATopicThatHoldsTwoTypes) {
+  writeFlight();
+  rosbag::Bag bag(path(), rosbag::bagmode::Append);
+  bag.write("/tf", kStart, sensor_msgs::CameraInfo());
+  bag.close();
+  EXPECT_EQ(readError({}), path() + ": topic /tf holds sensor_msgs/CameraInfo besides tf2_msgs/TFMessage");
 }
 
 TEST_F(StereoBagTest, NamesAMissingTopicAndThoseThatAreThere) {

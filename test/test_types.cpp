@@ -13,6 +13,7 @@ TEST(Types, ReasonsAreNamedInTheOrderOfTheirBits) {
   EXPECT_EQ(describeReasons(kOccupiedCell | kDisagreement), "OCCUPIED_CELL|DISAGREEMENT");
   EXPECT_EQ(describeReasons(kNoRangeObserved), "NO_RANGE_OBSERVED");
   EXPECT_EQ(describeReasons(kRecentlyBlocked), "RECENTLY_BLOCKED");
+  EXPECT_EQ(describeReasons(kFrozenImage), "FROZEN_IMAGE");
 }
 
 TEST(Types, AFreshVerdictIsUnknown) {

@@ -5,6 +5,7 @@
 #include <opencv2/ximgproc/disparity_filter.hpp>
 #include <string>
 
+#include "flight_corridor/disparity_refiner.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
@@ -56,6 +57,7 @@ class DisparityEstimator {
   void fill(Disparity& out);
   void rejectInvented(Disparity& out);
   void toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const;
+  void removeDifference(cv::Mat& disparity_px) const;
 
   StereoConfig config_;
   StereoGeometry geometry_;
@@ -64,6 +66,7 @@ class DisparityEstimator {
       pad_right_px_;     // the matcher skips columns that cannot see its whole search range: padding brings them back
   cv::Rect image_area_;  // of the padded images
   cv::Ptr<cv::StereoSGBM> matcher_;
+  DisparityRefiner refiner_;
   cv::Ptr<cv::StereoSGBM> wls_left_matcher_;
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;

@@ -115,13 +115,14 @@ class Pipeline {
 
   double blocked_s_ = -kInfinity;     // stamp of the last BLOCKED
   std::optional<LidarMemory> lidar_;  // newest reading
-  cv::Mat left_;
+  StereoFrame last_;                  // own copies
   Disparity disparity_;
   DepthImages depth_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Cloud cloud_;
   bool cloud_is_current_ = false;
   bool is_one_image_ = false;  // left and right are equal to the last bit
+  bool is_frozen_ = false;     // as the last frame, to the last bit
   Report report_;
   Counters counters_;
 };

@@ -3,6 +3,7 @@
 #include <XmlRpcValue.h>
 #include <yaml-cpp/yaml.h>
 
+#include <ios>
 #include <stdexcept>
 
 namespace flight_corridor_ros {
@@ -103,6 +104,10 @@ Values readYaml(const std::string& path) try {
   Values values;
   flatten(file, "", values);
   return values;
+} catch (const YAML::BadFile&) {
+  throw std::invalid_argument(path + ": cannot be read");
+} catch (const std::ios_base::failure&) {  // a directory
+  throw std::invalid_argument(path + ": cannot be read");
 } catch (const YAML::Exception& error) {
   throw std::invalid_argument(path + ": " + error.what());
 }

@@ -11,17 +11,23 @@
 namespace flight_corridor::tools {
 namespace {
 
-constexpr double kMaxDriftSigma = 1.0;  // between halves: a quarter of the variance; a ramp gives 1.7, a step 2
+constexpr long kFewestSamples = 20;
+constexpr double kMaxSlowShare = 0.5;  // a ramp gives 0.89; 20 samples of white noise exceed it once in 1000 times
 
-void check(const SampleStatistics& statistics, std::size_t wanted, const char* what) {
-  if (statistics.count < 2) throw std::runtime_error(std::string("fewer than two samples of ") + what);
-  if (statistics.count < wanted) {
-    std::cerr << "characterize_noise: warning: only " << statistics.count << " of " << wanted << " samples of " << what
-              << "\n";
+/// @throws std::runtime_error when the samples do not show the noise of a sensor at rest.
+void check(const SampleStatistics& statistics, std::size_t wanted, const std::string& what) {
+  if (statistics.count < static_cast<std::size_t>(kFewestSamples)) {
+    throw std::runtime_error(what + ": only " + std::to_string(statistics.count) + " samples, needs " +
+                             std::to_string(kFewestSamples));
   }
-  if (!(statistics.drift_m <= kMaxDriftSigma * std::sqrt(statistics.variance_m2))) {
-    std::cerr << "characterize_noise: warning: " << what << " drifts by " << statistics.drift_m
-              << " m between the recording's halves: was it static?\n";
+  if (statistics.slow_share > kMaxSlowShare) {
+    const long percent = std::lround(100.0 * statistics.slow_share);
+    throw std::runtime_error(what + ": moves, noise is not to be had from it: " + std::to_string(percent) +
+                             " % of its variance lies between the recording's thirds; record at rest");
+  }
+  if (statistics.count < wanted) {
+    std::cerr << "characterize_noise: warning: " << what << ": only " << statistics.count << " of " << wanted
+              << " samples\n";
   }
 }
 
@@ -50,18 +56,18 @@ Samples collect(const StereoBagReader& bag, const flight_corridor_ros::NodeConfi
 }
 
 int characterizeNoise(const CommandLine& options) {
-  const auto wanted = static_cast<std::size_t>(options.integer("samples", 2));
+  const auto wanted = static_cast<std::size_t>(options.integer("samples", kFewestSamples));
   flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
   config.core.scale.enabled = false;  // it would pull D_c to d_L
-  const StereoBagReader bag(options.text("bag"), topicsFrom(options));
+  const std::string path = options.text("bag");
+  const StereoBagReader bag(path, topicsFrom(options));
   const Samples samples = collect(bag, config, wanted);
   const SampleStatistics stereo = statistics(samples.stereo_m), lidar = statistics(samples.lidar_m);
-  check(stereo, wanted, "D_c");
+  check(stereo, wanted, path + ": D_c");
+  if (bag.hasRanges()) check(lidar, wanted, path + ": d_L");
+
   std::printf("fusion:\n");
-  if (bag.hasRanges()) {
-    check(lidar, wanted, "d_L");
-    print("lidar_variance_m2", lidar, "d_L");
-  }
+  if (bag.hasRanges()) print("lidar_variance_m2", lidar, "d_L");
   print("stereo_variance_m2", stereo, "D_c");
   return 0;
 }
@@ -79,6 +85,7 @@ int main(int argc, char** argv) {
   declareTopics(options);
   options.notes(
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
-      "configuration, with scale correction switched off. stereo_variance_m2 adds to what disparity_sigma_px gives.");
+      "configuration, with scale correction switched off; refuses recordings that moved. stereo_variance_m2 adds to "
+      "what disparity_sigma_px gives.");
   return runTool(options, argc, argv, [&] { return characterizeNoise(options); });
 }

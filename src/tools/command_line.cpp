@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -15,9 +16,10 @@ namespace {
 
 double parseNumber(const std::string& name, const std::string& text) {
   char* end = nullptr;
-  errno = 0;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || errno == ERANGE) throw UsageError("--" + name + ": '" + text + "' is no number");
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
+    throw UsageError("--" + name + ": '" + text + "' is no finite number");
+  }
   return value;
 }
 

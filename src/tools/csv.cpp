@@ -153,6 +153,18 @@ ros::Time CsvTable::stamp(std::size_t row, const std::string& column) const {
   }
 }
 
+std::vector<ros::Time> CsvTable::stamps(const std::string& column) const {
+  std::vector<ros::Time> stamps;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const ros::Time now = stamp(i, column);
+    if (!stamps.empty() && now <= stamps.back()) {
+      fail(i, column, formatStamp(now) + " is not later than the one before, " + formatStamp(stamps.back()));
+    }
+    stamps.push_back(now);
+  }
+  return stamps;
+}
+
 void CsvTable::fail(std::size_t row, const std::string& column, const std::string& what) const {
   throw std::runtime_error(path_ + ":" + std::to_string(lines_.at(row)) + ": column '" + column + "': " + what);
 }
@@ -200,9 +212,10 @@ void writeTruth(const std::string& path, const std::vector<TruthRow>& rows) {
 
 std::vector<ResultRow> readResults(const std::string& path) {
   const CsvTable table(path);
-  std::vector<ResultRow> rows(table.size());
+  const std::vector<ros::Time> stamps = table.stamps("stamp");
+  std::vector<ResultRow> rows(stamps.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].stamp = table.stamp(i, "stamp");
+    rows[i].stamp = stamps[i];
     rows[i].state = parseState(table, i);
     for (const NumberColumn& column : kResultColumns) column.cell(rows[i]) = table.number(i, column.name);
   }
@@ -211,9 +224,10 @@ std::vector<ResultRow> readResults(const std::string& path) {
 
 std::vector<TruthRow> readTruth(const std::string& path) {
   const CsvTable table(path);
-  std::vector<TruthRow> rows(table.size());
+  const std::vector<ros::Time> stamps = table.stamps("stamp");
+  std::vector<TruthRow> rows(stamps.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].stamp = table.stamp(i, "stamp");
+    rows[i].stamp = stamps[i];
     rows[i].clear_exact_m = knownDistance(table, i, "clear_exact");
     rows[i].clear_shrunk_m = knownDistance(table, i, "clear_shrunk");
     rows[i].clear_inflated_m = knownDistance(table, i, "clear_inflated");

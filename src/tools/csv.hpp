@@ -28,11 +28,14 @@ class CsvTable {
   const std::string& text(std::size_t row, const std::string& column) const;
   /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value when it is none.
   double number(std::size_t row, const std::string& column) const;
-  ros::Time stamp(std::size_t row, const std::string& column) const;
+  /// The whole column.  @throws std::runtime_error naming file, line and value when one is no stamp, or is not later
+  /// than the one before.
+  std::vector<ros::Time> stamps(const std::string& column) const;
   [[noreturn]] void fail(std::size_t row, const std::string& column, const std::string& what) const;
 
  private:
   std::size_t index(const std::string& column) const;
+  ros::Time stamp(std::size_t row, const std::string& column) const;
 
   std::string path_;
   std::vector<std::string> header_;

@@ -40,8 +40,9 @@ void printShare(const char* what, int count, int total) {
 }
 
 void printTable(const Score& score) {
-  std::printf("frames: %d truly blocked, %d truly free, %d borderline (not scored), %d without verdict\n",
-              score.blocked, score.free, score.borderline, score.unanswered);
+  std::printf("frames: %d truly blocked, %d truly free, %d borderline (not scored)\n", score.blocked, score.free,
+              score.borderline);
+  std::printf("without a verdict: %d, of which %d truly blocked\n", score.unanswered, score.unanswered_blocked);
   printShare("false FREE", score.false_free, score.blocked);
   printShare("false BLOCKED", score.false_block, score.free);
   printShare("UNKNOWN of truly blocked", score.unknown_of_blocked, score.blocked);
@@ -61,21 +62,24 @@ void printTable(const Score& score) {
 void printCsv(const Score& score) {
   const std::vector<double> delays_s = delays(score);
   std::printf(
-      "blocked,free,borderline,unanswered,false_free,false_free_upper,false_block,false_block_upper,unknown_of_blocked,"
+      "blocked,free,borderline,unanswered,unanswered_blocked,false_free,false_free_upper,false_block,false_block_upper,"
+      "unknown_of_blocked,"
       "unknown_of_free,distance_error_median_m,distance_error_p95_m,changes,changes_missed,reaction_median_s,"
       "reaction_max_s\n");
-  std::printf("%d,%d,%d,%d,%d,%.6f,%d,%.6f,%d,%d,%.4f,%.4f,%zu,%zu,%.4f,%.4f\n", score.blocked, score.free,
-              score.borderline, score.unanswered, score.false_free, wilsonUpperBound(score.false_free, score.blocked),
-              score.false_block, wilsonUpperBound(score.false_block, score.free), score.unknown_of_blocked,
-              score.unknown_of_free, quantile(score.distance_errors_m, 0.5), quantile(score.distance_errors_m, 0.95),
-              score.reactions.size(), score.reactions.size() - delays_s.size(), quantile(delays_s, 0.5),
-              quantile(delays_s, 1.0));
+  std::printf("%d,%d,%d,%d,%d,%d,%.6f,%d,%.6f,%d,%d,%.4f,%.4f,%zu,%zu,%.4f,%.4f\n", score.blocked, score.free,
+              score.borderline, score.unanswered, score.unanswered_blocked, score.false_free,
+              wilsonUpperBound(score.false_free, score.blocked), score.false_block,
+              wilsonUpperBound(score.false_block, score.free), score.unknown_of_blocked, score.unknown_of_free,
+              quantile(score.distance_errors_m, 0.5), quantile(score.distance_errors_m, 0.95), score.reactions.size(),
+              score.reactions.size() - delays_s.size(), quantile(delays_s, 0.5), quantile(delays_s, 1.0));
 }
 
 int evaluate(const CommandLine& options) {
   const Score score = scoreRecordings(options.all("result"), options.all("truth"));
   options.given("csv") ? printCsv(score) : printTable(score);
-  return options.given("fail-on-false-free") && score.false_free > 0 ? 1 : 0;
+  const std::string complaint = falseFreeComplaint(score);
+  if (options.given("fail-on-false-free") && !complaint.empty()) throw std::runtime_error(complaint);
+  return 0;
 }
 
 }  // namespace
@@ -87,7 +91,8 @@ int main(int argc, char** argv) {
   options.repeatable("result", "R.csv", "verdicts, as replay writes them")
       .repeatable("truth", "T.csv", "truth of the same recording, as simulate writes it")
       .flag("csv", "print a header and one line of numbers instead of the table")
-      .flag("fail-on-false-free", "exit with 1 when a truly blocked frame was called FREE")
+      .flag("fail-on-false-free",
+            "exit with 1 when a truly blocked frame was called FREE or has no verdict, or none was scored")
       .notes(
           "Truly blocked: the exact box is hit. Truly free: not even the box 0.10 m larger on every side is.\n"
           "Between the two: borderline, not scored. Several --result --truth pairs are scored together.");

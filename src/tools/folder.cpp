@@ -68,6 +68,8 @@ StereoCalibration readCalibration(const fs::path& path, cv::Size size) {
     calibration.cx_right_px = calibration.cx_px + calibrationNumber(yaml, "doffs");
     calibration.baseline_m = calibrationNumber(yaml, "baseline");
     return StereoGeometry(calibration).calibration();  // refuses impossible numbers
+  } catch (const YAML::BadFile&) {
+    fail(path, "cannot be read");
   } catch (const std::exception& error) {
     fail(path, error.what());
   }
@@ -85,7 +87,8 @@ std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_h
   if (table.size() != pairs.size()) {
     fail(path, std::to_string(table.size()) + " stamps, but left/ holds " + std::to_string(pairs.size()) + " images");
   }
-  for (std::size_t i = 0; i < pairs.size(); ++i) stamped.push_back({table.stamp(i, "stamp_s"), pairs[i]});
+  const std::vector<ros::Time> stamps = table.stamps("stamp_s");
+  for (std::size_t i = 0; i < pairs.size(); ++i) stamped.push_back({stamps[i], pairs[i]});
   return stamped;
 }
 
@@ -93,9 +96,12 @@ std::vector<Stamped<double>> readRanges(const fs::path& path) {
   std::vector<Stamped<double>> ranges_m;
   if (!fs::exists(path)) return ranges_m;
   const CsvTable table(path.string());
-  for (std::size_t i = 0; i < table.size(); ++i) {
+  const std::vector<ros::Time> stamps = table.stamps("stamp_s");
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
     if (table.text(i, "range_m").empty()) continue;  // no reading
-    ranges_m.push_back({table.stamp(i, "stamp_s"), table.number(i, "range_m")});
+    const double range_m = table.number(i, "range_m");
+    if (std::isfinite(range_m) && range_m < 0.0) table.fail(i, "range_m", "a range is not negative; too close is -inf");
+    ranges_m.push_back({stamps[i], range_m});
   }
   return ranges_m;
 }
@@ -104,13 +110,15 @@ std::vector<Stamped<Eigen::Isometry3d>> readPoses(const fs::path& path, const Ei
   std::vector<Stamped<Eigen::Isometry3d>> poses_W_B;
   if (!fs::exists(path)) return poses_W_B;
   const CsvTable table(path.string());
-  for (std::size_t i = 0; i < table.size(); ++i) {
+  const std::vector<ros::Time> stamps = table.stamps("stamp_s");
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
     const auto number = [&](const char* column) { return table.number(i, column); };
     const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"), number("qz"));
     if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) table.fail(i, "qw", "the quaternion's norm is not 1");
     Eigen::Isometry3d T_W_C(rotation.normalized());
     T_W_C.translation() = Eigen::Vector3d(number("tx"), number("ty"), number("tz"));
-    poses_W_B.push_back({table.stamp(i, "stamp_s"), T_W_C * T_C_B});
+    if (!T_W_C.translation().allFinite()) table.fail(i, "tx", "the position is not finite");
+    poses_W_B.push_back({stamps[i], T_W_C * T_C_B});
   }
   return poses_W_B;
 }

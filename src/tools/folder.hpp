@@ -21,7 +21,7 @@ struct ImagePair {
 
 /// A stereo recording as a folder: left/NAME.png, right/NAME.png, calib.yaml (fx fy cx cy doffs [px], baseline [m];
 /// cx_right = cx + doffs), and where they exist timestamps.csv (stamp_s), range.csv (stamp_s, range_m: from the left
-/// camera along its optical axis) and poses.csv (stamp_s, tx ty tz qx qy qz qw: left camera in the world).
+/// camera along its optical axis, REP-117) and poses.csv (stamp_s, tx ty tz qx qy qz qw: left camera in the world).
 /// Body B is the left camera, looking forward.
 struct FolderRecording {
   BagRig rig;
@@ -32,7 +32,7 @@ struct FolderRecording {
 
 /// Stamps move by one second where the recording starts before 1 s, because ROS reads stamp 0 as "no time".
 /// @param rate_hz of the pairs where there is no timestamps.csv.
-/// @throws std::runtime_error naming the file and what is wrong with it.
+/// @throws std::runtime_error naming the file and what is wrong with it; where it is a table, the line too.
 FolderRecording readFolder(const std::string& folder, double rate_hz);
 
 /// @param on_pair called after each pair.

@@ -15,6 +15,7 @@
 #include "ros/conversions.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/new_bag.hpp"
 #include "tools/pictures.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
@@ -52,19 +53,18 @@ void checkRanges(const StereoBagReader& bag, const CommandLine& options) {
 class VerdictBag {
  public:
   VerdictBag(const std::string& path, const CorridorConfig& corridor)
-      : box_size_m_(Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m) {
-    bag_.open(path, rosbag::bagmode::Write);
-  }
+      : bag_(path), box_size_m_(Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m) {}
 
   void add(const Answer& answer) {
     const std_msgs::Header& header = answer.messages.left->header;
     bag_.write(kVerdictTopic, header.stamp,
                flight_corridor_ros::toMessage(header, answer.report, box_size_m_, kNaN));  // no clock, no latency
   }
+  void close() { bag_.finish(); }
 
  private:
+  NewBag bag_;
   Eigen::Vector3d box_size_m_;
-  rosbag::Bag bag_;
 };
 
 void printCounts(const std::vector<ResultRow>& rows) {
@@ -154,6 +154,7 @@ int replay(const CommandLine& options) {
   });
   requirePairs(rows, bag, path);
   writeResults(options.text("csv"), rows);
+  if (verdicts) verdicts->close();
 
   std::printf("%s: %zu stereo pairs\n", path.c_str(), rows.size());
   printCounts(rows);

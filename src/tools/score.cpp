@@ -62,10 +62,17 @@ class ReactionClock {
   bool waiting_ = false;
 };
 
-using Iterator = std::vector<double>::const_iterator;
-
-double mean(Iterator begin, Iterator end) {
-  return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+double squaresBetweenThirds(const std::vector<double>& samples_m, double mean_m) {
+  double squares_m2 = 0.0;
+  for (std::size_t third = 0; third < 3; ++third) {
+    const auto begin = samples_m.begin() + static_cast<std::ptrdiff_t>(third * samples_m.size() / 3);
+    const auto end = samples_m.begin() + static_cast<std::ptrdiff_t>((third + 1) * samples_m.size() / 3);
+    if (begin == end) continue;
+    const auto count = static_cast<double>(end - begin);
+    const double deviation_m = std::accumulate(begin, end, 0.0) / count - mean_m;
+    squares_m2 += count * deviation_m * deviation_m;
+  }
+  return squares_m2;
 }
 
 }  // namespace
@@ -79,17 +86,26 @@ void addRecording(const std::vector<ResultRow>& results, const std::vector<Truth
   const Results by_stamp = byStamp(results, truth);
   ReactionClock clock;
   for (const TruthRow& row : truth) {
+    const State state = trueState(row);
     const auto result = by_stamp.find(row.stamp);
     if (result == by_stamp.end()) {
       ++score.unanswered;
+      if (state == State::Blocked) ++score.unanswered_blocked;
       continue;
     }
-    const State state = trueState(row);
     if (state == State::Blocked) addBlocked(result->second, row, score);
     if (state == State::Free) addFree(result->second, score);
     if (state == State::Unknown) ++score.borderline;
     clock.add(state, result->second, score);
   }
+}
+
+std::string falseFreeComplaint(const Score& score) {
+  if (score.false_free > 0) return "truly blocked frames called FREE: " + std::to_string(score.false_free);
+  if (score.unanswered_blocked > 0) {
+    return "truly blocked frames without a verdict: " + std::to_string(score.unanswered_blocked);
+  }
+  return score.blocked + score.free > 0 ? "" : "no frame could be scored";
 }
 
 double wilsonUpperBound(int count, int total) {
@@ -103,12 +119,12 @@ SampleStatistics statistics(const std::vector<double>& samples_m) {
   SampleStatistics result;
   result.count = samples_m.size();
   if (result.count < 2) return result;
-  const auto half = samples_m.begin() + static_cast<std::ptrdiff_t>(result.count / 2);
-  result.mean_m = mean(samples_m.begin(), samples_m.end());
-  result.drift_m = std::abs(mean(half, samples_m.end()) - mean(samples_m.begin(), half));
+  const auto count = static_cast<double>(result.count);
+  result.mean_m = std::accumulate(samples_m.begin(), samples_m.end(), 0.0) / count;
   double squares_m2 = 0.0;
   for (const double sample_m : samples_m) squares_m2 += (sample_m - result.mean_m) * (sample_m - result.mean_m);
-  result.variance_m2 = squares_m2 / static_cast<double>(result.count - 1);
+  result.variance_m2 = squares_m2 / (count - 1.0);
+  result.slow_share = squares_m2 > 0.0 ? squaresBetweenThirds(samples_m, result.mean_m) / squares_m2 : 0.0;
   return result;
 }
 

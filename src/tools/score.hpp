@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "tools/csv.hpp"
@@ -22,6 +23,7 @@ struct Reaction {
 struct Score {
   int blocked = 0, free = 0, borderline = 0;  ///< Frames by truth.
   int unanswered = 0;                         ///< Frames of truth that have no verdict; not in the counts above.
+  int unanswered_blocked = 0;                 ///< Those of them that are truly blocked.
   int false_free = 0, false_block = 0;        ///< Said FREE of blocked, said BLOCKED of free.
   int unknown_of_blocked = 0, unknown_of_free = 0;
   std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
@@ -32,6 +34,9 @@ struct Score {
 /// @throws std::runtime_error naming a stamp of the results that truth does not have.
 void addRecording(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth, Score& score);
 
+/// Why the verdicts do not show that nothing blocked was called FREE; "" when they do.
+std::string falseFreeComplaint(const Score& score);
+
 /// Upper end of the two-sided 95 % confidence interval of a share (Wilson 1927); NaN when total is 0.
 double wilsonUpperBound(int count, int total);
 
@@ -40,7 +45,7 @@ struct SampleStatistics {
   std::size_t count = 0;
   double mean_m = kNaN;
   double variance_m2 = kNaN;  ///< Unbiased (n - 1); NaN with fewer than two samples.
-  double drift_m = kNaN;      ///< |mean of the second half - mean of the first half|.
+  double slow_share = kNaN;   ///< Share of the variance that lies between the means of the recording's thirds [0..1].
 };
 SampleStatistics statistics(const std::vector<double>& samples_m);
 

@@ -10,9 +10,10 @@
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <fstream>
 #include <map>
-#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -31,6 +32,40 @@ const ros::Duration kImageDelay(0.001);  // images are recorded after ranges and
 
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw std::runtime_error(path + ": " + what);
+}
+
+[[noreturn]] void failDamaged(const std::string& path, const std::string& what) {
+  fail(path, "cannot be read: " + what + "; if it is damaged or was cut off: rosbag reindex " + path);
+}
+
+/// @throws std::runtime_error naming the file when it is missing or something else than a bag.
+void requireBag(const std::string& path) {
+  const std::string magic = "#ROSBAG ";
+  std::string begin(magic.size(), ' ');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail(path, "cannot be read");
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (begin != magic) fail(path, "cannot be read: is no bag");
+}
+
+/// @throws std::runtime_error naming the bag and the topic when the message is damaged or of another type.
+template <typename Message>
+boost::shared_ptr<Message> read(const rosbag::Bag& bag, const rosbag::MessageInstance& message) {
+  boost::shared_ptr<Message> read;
+  try {
+    read = message.instantiate<Message>();
+  } catch (const std::exception& error) {
+    failDamaged(bag.getFileName(), "topic " + message.getTopic() + ": " + error.what());
+  }
+  if (!read) {
+    fail(bag.getFileName(), "topic " + message.getTopic() + " holds " + message.getDataType() + " besides " +
+                                ros::message_traits::datatype<Message>());
+  }
+  return read;
+}
 
 geometry_msgs::TransformStamped stampedTransform(const Eigen::Isometry3d& T_parent_child, const ros::Time& stamp,
                                                  const std::string& parent, const std::string& child) {
@@ -73,8 +108,8 @@ std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag) {
 template <typename Policy>
 class PairBuilder {
  public:
-  PairBuilder(const Policy& policy, std::function<void(const StereoMessages&)> on_pair)
-      : synchronizer_(policy, left_, left_info_, right_, right_info_), on_pair_(std::move(on_pair)) {
+  PairBuilder(const rosbag::Bag& bag, const Policy& policy, std::function<void(const StereoMessages&)> on_pair)
+      : bag_(bag), synchronizer_(policy, left_, left_info_, right_, right_info_), on_pair_(std::move(on_pair)) {
     synchronizer_.registerCallback(&PairBuilder::handOut, this);
   }
 
@@ -87,8 +122,8 @@ class PairBuilder {
 
  private:
   template <typename Message>
-  static ros::MessageEvent<const Message> event(const rosbag::MessageInstance& message) {
-    return {boost::shared_ptr<const Message>(message.instantiate<Message>()), message.getTime()};
+  ros::MessageEvent<const Message> event(const rosbag::MessageInstance& message) const {
+    return {boost::shared_ptr<const Message>(read<Message>(bag_, message)), message.getTime()};
   }
 
   void handOut(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
@@ -96,6 +131,7 @@ class PairBuilder {
     on_pair_({left, left_info, right, right_info});
   }
 
+  const rosbag::Bag& bag_;
   message_filters::PassThrough<Image> left_, right_;
   message_filters::PassThrough<CameraInfo> left_info_, right_info_;
   message_filters::Synchronizer<Policy> synchronizer_;
@@ -105,11 +141,11 @@ class PairBuilder {
 template <typename Policy>
 void playPairs(const rosbag::Bag& bag, const StereoTopics& topics, const Policy& policy,
                const StereoBagReader::Listener& listener) {
-  PairBuilder<Policy> builder(policy, listener.on_pair);
+  PairBuilder<Policy> builder(bag, policy, listener.on_pair);
   const std::vector<std::string> wanted{topics.left, topics.left_info, topics.right, topics.right_info, topics.range};
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(wanted))) {
     if (message.getTopic() == topics.range) {
-      listener.on_range(message.instantiate<sensor_msgs::Range>());
+      listener.on_range(read<sensor_msgs::Range>(bag, message));
     } else {
       builder.add(topics, message);
     }
@@ -118,12 +154,7 @@ void playPairs(const rosbag::Bag& bag, const StereoTopics& topics, const Policy&
 
 }  // namespace
 
-StereoBagWriter::StereoBagWriter(const std::string& path, const BagRig& rig, const ros::Time& start) {
-  try {
-    bag_.open(path, rosbag::bagmode::Write);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(path + ": cannot be written: " + error.what());
-  }
+StereoBagWriter::StereoBagWriter(const std::string& path, const BagRig& rig, const ros::Time& start) : bag_(path) {
   left_info_ = cameraInfo(rig.calibration, rig.calibration.cx_px, 0.0);
   right_info_ = cameraInfo(rig.calibration, rig.calibration.cx_right_px, rig.calibration.baseline_m);
   writeStaticTransforms(rig, start);
@@ -169,10 +200,11 @@ void StereoBagWriter::writeRange(const ros::Time& stamp, const RangeReading& rea
 }
 
 StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& topics) : path_(path), topics_(topics) {
+  requireBag(path);
   try {
     bag_.open(path, rosbag::bagmode::Read);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(path + ": cannot be read: " + error.what());
+  } catch (const std::exception& error) {
+    failDamaged(path, error.what());
   }
   const std::string image = ros::message_traits::datatype<Image>(), info = ros::message_traits::datatype<CameraInfo>();
   requireTopic(topics.left, image);
@@ -196,8 +228,7 @@ void StereoBagReader::requireTopic(const std::string& topic, const std::string& 
 void StereoBagReader::readTransforms() {
   const std::vector<std::string> topics{kTransformTopic, kStaticTransformTopic};
   for (const rosbag::MessageInstance& message : rosbag::View(bag_, rosbag::TopicQuery(topics))) {
-    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-    if (!transforms) throw std::runtime_error(path_ + ": topic " + message.getTopic() + " holds no tf2_msgs/TFMessage");
+    const auto transforms = read<tf2_msgs::TFMessage>(bag_, message);
     const bool fixed = message.getTopic() == kStaticTransformTopic;
     for (const auto& transform : transforms->transforms) transforms_.add(transform, fixed);
   }
@@ -207,8 +238,9 @@ std::size_t StereoBagReader::leftImages() const { return rosbag::View(bag_, rosb
 
 double StereoBagReader::rate() const {
   rosbag::View view(bag_, rosbag::TopicQuery(topics_.left));
-  const double duration_s = (view.getEndTime() - view.getBeginTime()).toSec();
-  return view.size() > 1 && duration_s > 0.0 ? (view.size() - 1) / duration_s : kNaN;
+  if (view.size() < 2 || view.getEndTime() <= view.getBeginTime()) return kNaN;
+  const std::uint64_t duration_ns = view.getEndTime().toNSec() - view.getBeginTime().toNSec();
+  return 1e9 * static_cast<double>(view.size() - 1) / static_cast<double>(duration_ns);
 }
 
 bool StereoBagReader::hasRanges() const { return typesByTopic(bag_).count(topics_.range) > 0; }

@@ -14,6 +14,7 @@
 #include "ros/params.hpp"
 #include "ros/stereo_subscriber.hpp"
 #include "ros/transforms.hpp"
+#include "tools/new_bag.hpp"
 
 namespace flight_corridor::tools {
 
@@ -38,19 +39,19 @@ struct BagRig {
 /// the same stamp come before them. Write in any order, close() last.
 class StereoBagWriter {
  public:
-  /// @throws std::runtime_error naming the file when it cannot be written.
+  /// @throws std::runtime_error naming the file when it cannot be written, as all the others.
   StereoBagWriter(const std::string& path, const BagRig& rig, const ros::Time& start);
 
   void writePose(const ros::Time& stamp, const Eigen::Isometry3d& T_W_B);
   /// @param left, right CV_8UC1 or CV_8UC3 (BGR).
   void writePair(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right);
   void writeRange(const ros::Time& stamp, const RangeReading& reading);
-  void close() { bag_.close(); }
+  void close() { bag_.finish(); }
 
  private:
   void writeStaticTransforms(const BagRig& rig, const ros::Time& start);
 
-  rosbag::Bag bag_;
+  NewBag bag_;
   StereoTopics topics_;
   sensor_msgs::CameraInfo left_info_, right_info_;
 };
@@ -61,8 +62,8 @@ using flight_corridor_ros::StereoMessages;
 class StereoBagReader {
  public:
   /// Opens the bag and reads all of its /tf and /tf_static.
-  /// @throws std::runtime_error naming the file, and the topic that is not in it or has another type, with what is
-  /// there.
+  /// @throws std::runtime_error naming the file when it is damaged, and the topic that is not in it or has another
+  /// type, with what is there.
   StereoBagReader(const std::string& path, const StereoTopics& topics);
 
   const flight_corridor_ros::Transforms& transforms() const { return transforms_; }
@@ -81,6 +82,7 @@ class StereoBagReader {
   };
   /// Hands out pairs and ranges in the order of recording.
   /// @param pairing approximate_sync, sync_slop_s and sync_queue: how the messages of a pair find each other.
+  /// @throws std::runtime_error naming file and topic of a message that is damaged or of another type.
   void play(const flight_corridor_ros::RosConfig& pairing, const Listener& listener) const;
 
  private:

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace flight_corridor {
+
+/// Takes the pull towards whole pixels, and most of the noise, out of a matcher's disparity.
+///
+/// A matcher fits a parabola to costs at whole pixels, which biases its sub-pixel part by up to 0.2 px (Shimizu and
+/// Okutomi 2001). One step of image registration (Lucas and Kanade 1981) from where it ended measures the rest; a mean
+/// over neighbours on the same surface removes noise without smearing edges.
+class DisparityRefiner {
+ public:
+  /// @param left, right rectified, CV_8UC1, same size.
+  /// @param disparity_px CV_32FC1 of that size, u_left - u_right, NaN = none; refined in place. What was NaN stays NaN.
+  void refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+
+ private:
+  void registerImages(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+  void smooth(const cv::Mat& in, cv::Mat& out, cv::Point step);
+
+  cv::Mat gradient_, products_, sums_, smoothed_;  // scratch
+  std::vector<float> sum_px_, count_;
+};
+
+}  // namespace flight_corridor

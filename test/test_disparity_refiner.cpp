@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "flight_corridor/disparity_refiner.hpp"
+
+namespace flight_corridor {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+
+/// A textured wall at a disparity that need not be whole, the right image brighter by a tenth.
+struct Pair {
+  cv::Mat left, right;
+  explicit Pair(double disparity_px) {
+    cv::Mat texture(120, 240, CV_32FC1);
+    cv::RNG random(7);
+    random.fill(texture, cv::RNG::UNIFORM, 0, 256);
+    cv::GaussianBlur(texture, texture, {0, 0}, 1.5);
+    cv::Mat shifted;
+    const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -disparity_px, 0, 1, 0);
+    cv::warpAffine(texture, shifted, shift, texture.size(), cv::INTER_CUBIC);
+    texture.convertTo(left, CV_8U);
+    shifted.convertTo(right, CV_8U, 1.1, 5.0);
+  }
+};
+
+cv::Rect inside(const cv::Mat& image) { return {40, 20, image.cols - 80, image.rows - 40}; }
+
+TEST(DisparityRefiner, FindsTheFractionThatAMatcherRoundedAwayToATwentiethOfAPixel) {
+  for (const double true_px : {9.75, 9.9, 10.0, 10.2, 10.25}) {
+    const Pair pair(true_px);
+    cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(10.0));
+    DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+    cv::Scalar mean, sigma;
+    cv::meanStdDev(disparity_px(inside(disparity_px)), mean, sigma);
+    EXPECT_NEAR(mean[0], true_px, 0.05) << true_px;
+    EXPECT_LT(sigma[0], 0.05) << true_px;
+  }
+}
+
+TEST(DisparityRefiner, WhatWasNothingStaysNothing) {
+  const Pair pair(10.0);
+  cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(10.0));
+  disparity_px(cv::Rect(100, 50, 30, 20)).setTo(kNothing);
+  const cv::Mat nothing = disparity_px != disparity_px;
+  DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+  EXPECT_EQ(cv::countNonZero((disparity_px != disparity_px) != nothing), 0);
+}
+
+TEST(DisparityRefiner, AStepBetweenSurfacesStaysAStep) {
+  const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));  // nothing to register: the mean alone
+  cv::Mat disparity_px(blank.size(), CV_32FC1, cv::Scalar(5.0));
+  disparity_px.colRange(120, 124).setTo(11.0);
+  const cv::Mat before = disparity_px.clone();
+  DisparityRefiner().refine(blank, blank, disparity_px);
+  EXPECT_LT(cv::norm(disparity_px, before, cv::NORM_INF), 1e-5);
+}
+
+TEST(DisparityRefiner, NoiseOnOneSurfaceIsAveraged) {
+  const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));
+  cv::Mat disparity_px(blank.size(), CV_32FC1);
+  cv::RNG(3).fill(disparity_px, cv::RNG::NORMAL, 8.0, 0.15);
+  DisparityRefiner().refine(blank, blank, disparity_px);
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(disparity_px(inside(disparity_px)), mean, sigma);
+  EXPECT_NEAR(mean[0], 8.0, 0.01);
+  EXPECT_LT(sigma[0], 0.05);
+}
+
+TEST(DisparityRefiner, DisparitiesThatPointOutsideTheImageDoNoHarm) {
+  const Pair pair(10.0);
+  cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(500.0));
+  disparity_px.rowRange(0, 60).setTo(-500.0);
+  const cv::Mat before = disparity_px.clone();
+  DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+  EXPECT_EQ(cv::norm(disparity_px, before, cv::NORM_INF), 0.0);
+}
+
+}  // namespace
+}  // namespace flight_corridor
