@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <opencv2/core.hpp>
+#include <string_view>
 
 namespace flight_corridor {
 
@@ -28,8 +30,14 @@ void append(Violations& all, const Violations& some) { all.insert(all.end(), som
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
-/// To the last bit, which a camera's noise does not allow two images.
-bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0.0; }
+std::size_t fingerprint(const cv::Mat& image) {
+  std::size_t hash = 0;
+  for (int v = 0; v < image.rows; ++v) {
+    const std::string_view row(image.ptr<char>(v), static_cast<std::size_t>(image.cols));
+    hash = 31 * hash + std::hash<std::string_view>()(row);
+  }
+  return hash;
+}
 
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
@@ -86,11 +94,9 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   ++counters_.frames;
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
-  is_one_image_ = same(frame.left, frame.right);
-  is_frozen_ = frame.stamp_s != last_.stamp_s && (same(frame.left, last_.left) || same(frame.right, last_.right));
-  last_.stamp_s = frame.stamp_s;
-  frame.left.copyTo(last_.left);  // the caller may reuse its own
-  frame.right.copyTo(last_.right);
+  is_one_image_ = cv::norm(frame.left, frame.right, cv::NORM_INF) == 0.0;
+  is_frozen_ = isFrozen(frame);
+  frame.left.copyTo(left_);
   cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
@@ -124,6 +130,17 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   const bool has_pose = T_W_C && T_W_C->matrix().allFinite();
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
+}
+
+/// Whether an image was seen before under another stamp, to the last bit: a camera's noise does not allow that.
+bool Pipeline::isFrozen(const StereoFrame& frame) {
+  const Seen now{frame.stamp_s, fingerprint(frame.left), fingerprint(frame.right)};
+  const bool frozen = std::any_of(seen_.begin(), seen_.end(), [&](const Seen& before) {
+    const bool known = std::isfinite(before.stamp_s) && before.stamp_s != now.stamp_s;
+    return known && (before.left == now.left || before.right == now.right);
+  });
+  seen_[counters_.frames % seen_.size()] = now;
+  return frozen;
 }
 
 const Report& Pipeline::refuse(std::uint32_t reasons) {
@@ -226,8 +243,8 @@ std::optional<double> Pipeline::beamEndInBox() const {
 }
 
 const Cloud& Pipeline::cloud() {
-  if (!cloud_is_current_ && !last_.left.empty()) {
-    cloud_builder_.cloud(depth_.filled_m, last_.left, config_.map.resolution_m, cloud_);
+  if (!cloud_is_current_ && !left_.empty()) {
+    cloud_builder_.cloud(depth_.filled_m, left_, config_.map.resolution_m, cloud_);
     cloud_is_current_ = true;
   }
   return cloud_;
@@ -238,7 +255,7 @@ void Pipeline::reset() {
   scale_.reset();
   map_.clear();
   lidar_.reset();
-  last_ = StereoFrame();
+  seen_.fill(Seen());
   blocked_s_ = -kInfinity;
 }
 

@@ -133,6 +133,16 @@ TEST(Pipeline, FrozenCamerasAreNeverFree) {
   EXPECT_TRUE(report.verdict.reasons & kFrozenImage);
 }
 
+TEST(Pipeline, CamerasThatRepeatTwoBuffersAreNeverFree) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  const StereoFrame buffers[] = {wallFrame(kGeometry, 3, 1.0), wallFrame(kGeometry, 3, 1.1)};
+  for (int i = 0; i < 8; ++i) {
+    StereoFrame frame = buffers[i % 2];
+    frame.stamp_s = 1.0 + 0.1 * i;
+    EXPECT_EQ(pipeline.process(frame).verdict.state, i < 2 ? State::Free : State::Unknown) << "frame " << i;
+  }
+}
+
 TEST(Pipeline, FrozenCamerasStillBlock) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   StereoFrame frame = wallFrame(kGeometry, 7, 1.0);

@@ -75,7 +75,7 @@ enum Reason : std::uint32_t {
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
   kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
-  kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals the last one to the last bit under a new stamp.
+  kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
 };
 
 /// The reasons' names joined by '|', e.g. "OCCUPIED_CELL|SHORT_RANGE"; "" when none.
