@@ -70,7 +70,8 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
       min_disparity_px_(static_cast<int>(std::floor(geometry.principalPointDifference())) - kBelowZero_px),
       pad_left_px_(evenAbove(min_disparity_px_ + config.num_disparities_px)),
       pad_right_px_(evenAbove(-min_disparity_px_)),
-      image_area_({pad_left_px_, 0}, geometry.size()) {
+      image_area_({pad_left_px_, 0}, geometry.size()),
+      level_matcher_(min_disparity_px_, config.num_disparities_px) {
   throwIfBroken(check(config));
   if (geometry.size().width <= config.num_disparities_px) {
     throw std::invalid_argument("stereo/num_disparities_px: below the image's width");
@@ -110,6 +111,7 @@ void DisparityEstimator::match(const StereoFrame& frame, Disparity& out) {
   cv::boxFilter(gradient_, texture_, CV_32F, {config_.block_size_px, config_.block_size_px});
   cv::compare(texture_, config_.texture_min, keep_, cv::CMP_GE);
   toPixels(left_fixed_(image_area_), keep_, out.matched_px);
+  level_matcher_.match(frame.left, frame.right, out.matched_px);
   refiner_.refine(frame.left, frame.right, out.matched_px);
   removeDifference(out.matched_px);
   out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(frame.left.total());

@@ -31,6 +31,8 @@ Violations check(const MapConfig& config) {
   rules.require(0.0 < config.hit_fraction && config.hit_fraction <= 1.0, "hit_fraction", "above 0, up to 1",
                 config.hit_fraction);
   rules.require(config.min_hit_points >= 1, "min_hit_points", "1 or more", config.min_hit_points);
+  rules.require(0.0 <= config.hit_band_px && config.hit_band_px <= config.free_band_px, "hit_band_px",
+                "0 to free_band_px", config.hit_band_px);
   rules.require(config.free_band_px >= 0.0, "free_band_px", "not negative", config.free_band_px);
   rules.require(0.0 < config.min_ray_fraction && config.min_ray_fraction <= 1.0, "min_ray_fraction", "above 0, up to 1",
                 config.min_ray_fraction);
@@ -79,7 +81,7 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
   measureRays(depth_m);
   pyramid_.build(near_m_, far_m_, config_.min_ray_fraction);
-  countPoints(depth_m, T_M_C.cast<float>());
+  countPoints(hit_m_, T_M_C.cast<float>());
 
   const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
   orientCubes(T_C_M);
@@ -88,13 +90,16 @@ void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C
 }
 
 void OccupancyMap::measureRays(const cv::Mat& depth_m) {
+  hit_m_.create(depth_m.size(), CV_32FC1);
   near_m_.create(depth_m.size(), CV_32FC1);
   far_m_.create(depth_m.size(), CV_32FC1);
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* surface = depth_m.ptr<float>(v);
+    auto* hit_row = hit_m_.ptr<float>(v);
     auto* near_row = near_m_.ptr<float>(v);
     auto* far_row = far_m_.ptr<float>(v);
     for (int u = 0; u < depth_m.cols; ++u) {
+      hit_row[u] = static_cast<float>(geometry_.shiftedDepth(surface[u], config_.hit_band_px));
       near_row[u] = static_cast<float>(geometry_.shiftedDepth(surface[u], config_.free_band_px));
       far_row[u] = static_cast<float>(geometry_.shiftedDepth(surface[u], -config_.free_band_px));
     }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "flight_corridor/disparity_refiner.hpp"
+#include "flight_corridor/level_matcher.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
@@ -66,6 +67,7 @@ class DisparityEstimator {
       pad_right_px_;     // the matcher skips columns that cannot see its whole search range: padding brings them back
   cv::Rect image_area_;  // of the padded images
   cv::Ptr<cv::StereoSGBM> matcher_;
+  LevelMatcher level_matcher_;
   DisparityRefiner refiner_;
   cv::Ptr<cv::StereoSGBM> wls_left_matcher_;
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;

@@ -20,6 +20,7 @@ struct MapConfig {
   double max_range_m = 8.0;       ///< Depth up to which evidence is used.
   double hit_fraction = 0.15;     ///< A cell is hit by this share of the points that a full face would show there.
   int min_hit_points = 4;         ///< ... and by no fewer points than these.
+  double hit_band_px = 0.1;       ///< Surfaces are taken to be nearer by this much disparity: one sigma of a match.
   double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
   double min_ray_fraction = 0.5;  ///< Share of a cell's pixels that must see past it to clear it.
   double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
@@ -77,7 +78,8 @@ class OccupancyMap {
   Tree tree_;
   Eigen::Array2f focal_px_, centre_px_;  // of the left image
   DepthPyramid pyramid_;
-  cv::Mat near_m_, far_m_;  // per pixel: up to where its ray is surely free, and where it ends at most
+  cv::Mat hit_m_, near_m_, far_m_;  // per pixel: where its surface is, up to where its ray is surely free, and where
+                                    // it ends at most
   CellCounts points_;
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::vector<Eigen::Matrix3f> half_edges_C_;    // per tree depth: columns are the cube's half edges in C

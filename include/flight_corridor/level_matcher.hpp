@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace flight_corridor {
+
+/// Finds thin level things (branches, wires) that a matcher with square blocks and smoothing gives to their background.
+/// Along a level edge grey values hardly vary, so only a long window along the row tells one disparity from another; it
+/// compares vertical gradients, which do not depend on the exposures' difference.
+class LevelMatcher {
+ public:
+  /// @param min_disparity_px, num_disparities_px  the range that is searched, as the matcher's own.
+  LevelMatcher(int min_disparity_px, int num_disparities_px);
+
+  /// Sets the disparity of level edges that are clearly nearer than what was matched there.
+  /// @param left, right   CV_8UC1, rectified.
+  /// @param disparity_px  CV_32FC1, NaN = no match, u_l - u_r in pixels of the images.
+  void match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+
+ private:
+  void findLevelEdges(const cv::Mat& left);
+  void matchRun(int v, int first_u, int last_u, float* disparity_px);
+  float best(const std::uint32_t* costs, float matched_px, std::uint32_t edge) const;
+
+  int min_disparity_px_, num_disparities_px_;
+  cv::Mat left_steps_, right_steps_, across_, along_, vertical_, horizontal_;
+  std::vector<std::uint16_t> column_;  // sums of a window's column, for one disparity
+  std::vector<std::uint32_t> costs_;   // of a run of pixels: disparities of the first pixel, of the second, ...
+};
+
+}  // namespace flight_corridor

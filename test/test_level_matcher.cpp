@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "flight_corridor/level_matcher.hpp"
+
+namespace flight_corridor {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr double kBackground_px = 4.0, kBranch_px = 11.0;
+
+/// A textured wall and before it a dark, evenly grey branch three pixels thick that rises by slope pixels per pixel;
+/// the right image is brighter by a tenth.
+struct Pair {
+  cv::Mat left, right, is_branch;
+
+  explicit Pair(double slope) {
+    cv::Mat texture(100, 260, CV_32FC1);
+    cv::RNG random(7);
+    random.fill(texture, cv::RNG::UNIFORM, 60, 256);
+    cv::GaussianBlur(texture, texture, {0, 0}, 2.0);
+    left = seen(texture, slope, 0.0, 0.0, 1.0, random);
+    right = seen(texture, slope, kBackground_px, kBranch_px, 1.1, random);
+    is_branch = cv::Mat::zeros(left.size(), CV_8U);
+    for (int u = 40; u < left.cols - 40; ++u) is_branch.at<std::uint8_t>(cvRound(row(slope, u)), u) = 255;
+  }
+
+  static double row(double slope, double u) { return 50.0 + slope * (u - 130.0); }
+
+  static cv::Mat seen(const cv::Mat& texture, double slope, double shift_px, double branch_shift_px, double gain,
+                      cv::RNG& random) {
+    cv::Mat image, noise(texture.size(), CV_32FC1), grey;
+    const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -shift_px, 0, 1, 0);
+    cv::warpAffine(texture, image, shift, texture.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    for (int v = 0; v < image.rows; ++v) {
+      for (int u = 0; u < image.cols; ++u) {
+        const double away_px = std::abs(v - row(slope, u + branch_shift_px));
+        const auto share = static_cast<float>(std::clamp(2.0 - away_px, 0.0, 1.0));  // of the pixel that is branch
+        float& value = image.at<float>(v, u);
+        value += share * (40.0f - value);
+      }
+    }
+    random.fill(noise, cv::RNG::NORMAL, 0.0, 1.5);
+    cv::Mat(image * gain + noise).convertTo(grey, CV_8U);
+    return grey;
+  }
+};
+
+/// What a matcher with much smoothing sees: the background everywhere.
+cv::Mat background(const Pair& pair) { return {pair.left.size(), CV_32FC1, cv::Scalar(kBackground_px)}; }
+
+TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
+  const Pair pair(0.08);
+  cv::Mat disparity_px = background(pair);
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
+  EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+}
+
+TEST(LevelMatcher, FindsItAlsoWhereNothingWasMatched) {
+  const Pair pair(-0.08);
+  cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(kNothing));
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
+  EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+}
+
+TEST(LevelMatcher, LeavesAPerfectlyLevelEdgeAloneSinceEveryDisparityFitsIt) {
+  const Pair pair(0.0);
+  cv::Mat disparity_px = background(pair);
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  EXPECT_EQ(cv::countNonZero((disparity_px != kBackground_px) & pair.is_branch), 0);
+}
+
+TEST(LevelMatcher, LeavesWhatIsMatchedRightAlone) {
+  const Pair pair(0.08);
+  cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(kBranch_px));
+  const cv::Mat before = disparity_px.clone();
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  EXPECT_EQ(cv::countNonZero((disparity_px != before) & pair.is_branch), 0);
+}
+
+TEST(LevelMatcher, LeavesAPlainImageAlone) {
+  const cv::Mat grey(100, 260, CV_8UC1, cv::Scalar(90));
+  cv::Mat disparity_px(grey.size(), CV_32FC1, cv::Scalar(kNothing));
+  LevelMatcher(-2, 128).match(grey, grey, disparity_px);
+  EXPECT_EQ(cv::countNonZero(disparity_px == disparity_px), 0);
+}
+
+TEST(LevelMatcher, ImagesNarrowerThanItsWindowStayAsTheyAre) {
+  const cv::Mat grey(40, 20, CV_8UC1, cv::Scalar(90));
+  cv::Mat disparity_px(grey.size(), CV_32FC1, cv::Scalar(3.0));
+  LevelMatcher(-2, 32).match(grey, grey, disparity_px);
+  EXPECT_EQ(cv::countNonZero(disparity_px != 3.0), 0);
+}
+
+}  // namespace
+}  // namespace flight_corridor
