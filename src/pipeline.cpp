@@ -11,6 +11,8 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr int kTooManyRepetitions = 3;     // of a LiDAR's reading to the last bit: noise hardly allows that
+constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
@@ -84,8 +86,15 @@ Outcome Pipeline::addRange(const RangeReading& reading) {
   }
   counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
   counters_.lidar_gated += outcome == Outcome::Gated;
-  if (!lidar_ || reading.stamp_s >= lidar_->reading.stamp_s) lidar_ = LidarMemory{reading, outcome};
+  if (!lidar_ || reading.stamp_s >= lidar_->reading.stamp_s) {
+    const bool repeats = lidar_ && reading.range_m == lidar_->reading.range_m;
+    lidar_ = LidarMemory{reading, outcome, repeats ? lidar_->repetitions + 1 : 0};
+  }
   return outcome;
+}
+
+void Pipeline::addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
+  fusion_.addAcceleration(stamp_s, beam_.along(acceleration_C_mps2));
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -153,16 +162,18 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
 void Pipeline::fuseRange(double stamp_s) {
   const RangeEstimate expected = fusion_.at(stamp_s);
   const double beam_width_rad = lidar_ ? lidar_->reading.field_of_view_rad : 0.0;
-  const auto stereo = beam_.read(disparity_.matched_px, expected.range_m, beam_width_rad);
+  auto stereo = beam_.read(disparity_.matched_px, expected.range_m, beam_width_rad);
+  if (stereo) {
+    learnScale(stamp_s, *stereo, expected);
+  } else {
+    stereo = beam_.read(disparity_.filtered_px, expected.range_m, beam_width_rad);
+    if (stereo) stereo->disparity_sigma_px = std::hypot(stereo->disparity_sigma_px, kFillSigma_px);
+  }
   double reference_px = geometry_.disparity(kReferenceDepth_m);
   if (stereo) {
     reference_px = stereo->disparity_px;
-    learnScale(stamp_s, *stereo, expected);
     report_.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
-    const double sigma_m =
-        geometry_.depthSigma(geometry_.depth(stereo->disparity_px), config_.fusion.disparity_sigma_px);
-    const double spread_m = geometry_.depthSigma(geometry_.depth(stereo->disparity_px), stereo->disparity_sigma_px);
-    const double variance_m2 = config_.fusion.stereo_variance_m2 + sigma_m * sigma_m + spread_m * spread_m;
+    const double variance_m2 = stereoVariance(*stereo);
     counters_.stereo_gated +=
         fusion_.add(Sensor::Stereo, stamp_s, report_.range_stereo_m, variance_m2) == Outcome::Gated;
   }
@@ -172,9 +183,20 @@ void Pipeline::fuseRange(double stamp_s) {
   report_.scale_sigma = scale_.sigma(reference_px);
 }
 
-/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn.
+/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d). Not
+/// what is unknown of the scale: it is the same in all readings, and would hide their jumps from the gate.
+double Pipeline::stereoVariance(const FootprintReading& stereo) const {
+  const double depth_m = geometry_.depth(stereo.disparity_px);
+  const double match_m = geometry_.depthSigma(depth_m, config_.fusion.disparity_sigma_px);
+  const double spread_m = geometry_.depthSigma(depth_m, stereo.disparity_sigma_px);
+  return config_.fusion.stereo_variance_m2 + match_m * match_m + spread_m * spread_m;
+}
+
+/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
+/// and one that repeats itself may be frozen: the scale would follow it away from the truth.
 void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
-  if (!std::isfinite(lidarRange(stamp_s)) || expected.disagreement || !std::isfinite(expected.range_m)) return;
+  const bool has_lidar = std::isfinite(lidarRange(stamp_s)) && lidar_->repetitions < kTooManyRepetitions;
+  if (!has_lidar || expected.disagreement || !std::isfinite(expected.range_m)) return;
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);
   const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;

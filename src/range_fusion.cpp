@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
-
-std::size_t index(Sensor sensor) { return static_cast<std::size_t>(sensor); }
+constexpr double kAccelerationHolds_s = 0.1;
+constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
 
 double squared(double value) { return value * value; }
 
@@ -32,7 +32,10 @@ Violations check(const FusionConfig& config) {
   return rules.broken();
 }
 
-RangeFusion::RangeFusion(const FusionConfig& config) : config_(config) { throwIfBroken(check(config)); }
+RangeFusion::RangeFusion(const FusionConfig& config) : config_(config) {
+  throwIfBroken(check(config));
+  steps_.reserve(kCapacity);
+}
 
 void RangeFusion::reset() {
   before_ = Filter();
@@ -43,11 +46,22 @@ Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double v
   const bool valid = std::isfinite(stamp_s) && std::isfinite(range_m) && range_m > 0.0 && variance_m2 > 0.0 &&
                      std::isfinite(variance_m2);
   if (!valid) return Outcome::Invalid;
-  if (!steps_.empty() && stamp_s < steps_.back().reading.stamp_s - config_.buffer_s) return Outcome::TooLate;
+  return insert({sensor == Sensor::Lidar ? Kind::Lidar : Kind::Stereo, stamp_s, range_m, variance_m2});
+}
 
-  const Reading reading{sensor, stamp_s, range_m, variance_m2};
+Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
+  if (!std::isfinite(stamp_s) || !std::isfinite(acceleration_mps2)) return Outcome::Invalid;
+  return insert({Kind::Acceleration, stamp_s, acceleration_mps2, kNaN});
+}
+
+/// Puts a reading where its stamp belongs and takes all later ones again.
+Outcome RangeFusion::insert(const Reading& reading) {
+  const bool too_late = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s;
+  if (too_late || reading.stamp_s < before_.stamp_s) return Outcome::TooLate;
+  if (steps_.size() == kCapacity) forgetOldest();
+
   const auto later = [](const Reading& a, const Step& b) {  // ties in one order, whatever the order of arrival
-    return std::make_pair(a.stamp_s, a.sensor) < std::make_pair(b.reading.stamp_s, b.reading.sensor);
+    return std::make_pair(a.stamp_s, a.kind) < std::make_pair(b.reading.stamp_s, b.reading.kind);
   };
   const auto place = std::upper_bound(steps_.begin(), steps_.end(), reading, later);
   const auto inserted = static_cast<std::size_t>(place - steps_.begin());
@@ -56,12 +70,16 @@ Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double v
     steps_[i].after = i == 0 ? before_ : steps_[i - 1].after;
     steps_[i].outcome = update(steps_[i].after, steps_[i].reading);
   }
-  const Outcome outcome = steps_[inserted].outcome;
-  while (steps_.front().reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s) {
-    before_ = steps_.front().after;
-    steps_.pop_front();
-  }
-  return outcome;
+  return steps_[inserted].outcome;
+}
+
+/// What the buffer's duration no longer needs goes at once, at least a quarter: so forgetting is rare.
+void RangeFusion::forgetOldest() {
+  const double oldest_s = steps_.back().reading.stamp_s - config_.buffer_s;
+  const auto needed = std::find_if(steps_.begin() + kCapacity / 4, steps_.end() - 1,
+                                   [&](const Step& step) { return step.reading.stamp_s >= oldest_s; });
+  before_ = (needed - 1)->after;
+  steps_.erase(steps_.begin(), needed);
 }
 
 RangeEstimate RangeFusion::at(double stamp_s) const {
@@ -78,7 +96,7 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   estimate.rate_mps = now.mean[1];
   for (const SensorTrack& track : now.tracks) {
     const bool recent = stamp_s - track.gated_s <= config_.max_gap_s;
-    if (recent && track.gated_s - track.gated_since_s >= config_.lasting_s) {
+    if (recent && track.gatedFor() >= config_.lasting_s) {
       estimate.disagreement = true;
       estimate.disagreeing_m = track.gated_m;
     }
@@ -86,45 +104,76 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   return estimate;
 }
 
-/// x' = A x, P' = A P A^T + Q with A = [1 dt; 0 1] (Trejo 2019, eqs. 3, 4; u = 0) and
-/// Q = sigma_a^2 [dt^3/3 dt^2/2; dt^2/2 dt] (Bar-Shalom 2001, eq. 6.2.2-12).
+/// x' = A x + B u, P' = A P A^T + Q with A = [1 dt; 0 1], B = [dt^2/2; dt], u = -acceleration: the range shrinks as the
+/// rig speeds up (Trejo 2019, eqs. 3, 4) and Q = sigma_a^2 [dt^3/3 dt^2/2; dt^2/2 dt] (Bar-Shalom 2001, eq. 6.2.2-12).
 RangeFusion::Filter RangeFusion::predicted(const Filter& filter, double stamp_s) const {
   Filter next = filter;
   const double dt = stamp_s - filter.stamp_s;
+  const bool driven = stamp_s - filter.acceleration_s <= kAccelerationHolds_s;
+  const double u = driven ? -filter.acceleration_mps2 : 0.0;
   Eigen::Matrix2d A, Q;
   A << 1, dt, 0, 1;
   Q << dt * dt * dt / 3, dt * dt / 2, dt * dt / 2, dt;
   next.stamp_s = stamp_s;
-  next.mean = A * filter.mean;
+  next.mean = A * filter.mean + Eigen::Vector2d(dt * dt / 2, dt) * u;
   next.covariance = A * filter.covariance * A.transpose() + squared(config_.acceleration_sigma_mps2) * Q;
   return next;
 }
 
-void RangeFusion::initialise(Filter& filter, double stamp_s, double range_m, double variance_m2) {
-  filter.stamp_s = stamp_s;
-  filter.mean[0] = range_m;  // the rate is mostly our own: it stays
-  filter.covariance << variance_m2, 0, 0, squared(kFirstRateSigma_mps);
+void RangeFusion::initialise(Filter& filter, const Reading& reading) {
+  filter.stamp_s = reading.stamp_s;
+  filter.mean[0] = reading.value;  // the rate is mostly our own: it stays
+  filter.covariance << reading.variance_m2, 0, 0, squared(kFirstRateSigma_mps);
 }
 
-/// One reading: predict, gate by its normalised innovation, correct (Trejo 2019, eqs. 5-9, C = [1 0]).
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
-  SensorTrack& track = filter.tracks[index(reading.sensor)];
+  if (reading.kind != Kind::Acceleration) {
+    watchRepetition(filter.repetition, reading);
+    return reading.kind == Kind::Lidar && filter.repetition.isFrozen() ? Outcome::Gated : correct(filter, reading);
+  }
+  if (filter.initialised()) filter = predicted(filter, reading.stamp_s);
+  filter.acceleration_s = reading.stamp_s;
+  filter.acceleration_mps2 = reading.value;
+  return Outcome::Accepted;
+}
+
+/// A LiDAR that repeats itself while stereo moves is frozen, until it says something else.
+void RangeFusion::watchRepetition(Repetition& repetition, const Reading& reading) const {
+  if (reading.kind == Kind::Lidar) {
+    if (reading.value != repetition.lidar_m) repetition = {reading.value, reading.stamp_s, kNaN, kNaN, 0};
+  } else if (std::isnan(repetition.stereo_m)) {
+    repetition.stereo_m = reading.value;
+    repetition.stereo_variance_m2 = reading.variance_m2;
+  } else if (reading.stamp_s - repetition.since_s >= config_.lasting_s) {
+    const bool elsewhere =
+        differ(repetition.stereo_m, repetition.stereo_variance_m2, reading.value, reading.variance_m2);
+    if (!repetition.isFrozen()) repetition.moved = elsewhere ? repetition.moved + 1 : 0;
+  }
+}
+
+/// One range: predict, gate by its normalised innovation, correct (Trejo 2019, eqs. 5-9, C = [1 0]).
+Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
+  SensorTrack& own = filter.tracks[track(reading)];
   const auto accept = [&](Outcome outcome) {
-    track.accepted_s = reading.stamp_s;
-    track.gated_since_s = track.gated_s = kNaN;
+    own.accepted_s = reading.stamp_s;
+    own.gated_since_s = own.gated_s = kNaN;
     return outcome;
   };
   const bool forgotten = !filter.initialised() || !(reading.stamp_s - filter.lastAccepted() <= config_.max_gap_s);
   if (forgotten) {
-    filter = Filter();
-    initialise(filter, reading.stamp_s, reading.range_m, reading.variance_m2);
+    filter.mean.setZero();
+    filter.tracks.fill(SensorTrack());
+    filter.confirmed = false;
+    initialise(filter, reading);
     return accept(Outcome::Reinitialised);
   }
 
   filter = predicted(filter, reading.stamp_s);
-  const double innovation = reading.range_m - filter.mean[0];
+  const double innovation = reading.value - filter.mean[0];
   const double innovation_variance = filter.covariance(0, 0) + reading.variance_m2;
-  if (squared(innovation) <= squared(config_.gate_sigma) * innovation_variance) {
+  // In lasting disagreement a sensor has to come closer to be believed again.
+  const double gate_sigma = (own.gatedFor() >= config_.lasting_s ? 0.5 : 1.0) * config_.gate_sigma;
+  if (squared(innovation) <= squared(gate_sigma) * innovation_variance) {
     const Eigen::Vector2d gain = filter.covariance.col(0) / innovation_variance;
     filter.mean += gain * innovation;
     filter.covariance -= gain * filter.covariance.row(0).eval();
@@ -132,40 +181,66 @@ Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
     return accept(Outcome::Accepted);
   }
 
-  remember(track, reading);
-  if (filter.confirmed && !isNewSurface(filter, reading)) return Outcome::Gated;
-  initialise(filter, reading.stamp_s, reading.range_m, reading.variance_m2);
+  remember(own, reading);
+  if (filter.confirmed && !bothJumped(filter, reading)) {
+    if (!rulesAlone(filter, reading)) return Outcome::Gated;
+    contradict(filter.tracks[1 - track(reading)], filter, reading.stamp_s);
+  }
+  initialise(filter, reading);
   return accept(Outcome::Reinitialised);
 }
 
-/// Remembers a gated reading; a run of them lasts only as long as they tell of one surface.
+/// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart.
 void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
-  const bool same_surface = agree(track.gated_m, track.gated_variance_m2, reading.range_m, reading.variance_m2,
-                                  reading.stamp_s - track.gated_s);
+  const double apart_s = reading.stamp_s - track.gated_s;
+  const bool recent = apart_s <= config_.max_gap_s;
+  const bool same_surface =
+      recent && agree(track.gated_m, track.gated_variance_m2, reading.value, reading.variance_m2, apart_s);
+  track.outlier = recent && !same_surface && !track.outlier;
+  if (track.outlier) return;
   if (!same_surface) track.gated_since_s = reading.stamp_s;
   track.gated_s = reading.stamp_s;
-  track.gated_m = reading.range_m;
+  track.gated_m = reading.value;
   track.gated_variance_m2 = reading.variance_m2;
 }
 
 /// Whether two ranges taken apart_s from one another can be of one surface; NaN never is.
 bool RangeFusion::agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const {
   const double variance = a_variance_m2 + b_variance_m2 + squared(kFirstRateSigma_mps * apart_s);
-  return apart_s <= kTogether_s && squared(a_m - b_m) <= squared(config_.gate_sigma) * variance;
+  return squared(a_m - b_m) <= squared(config_.gate_sigma) * variance;
 }
 
-/// A gated reading is a new surface when the other sensor jumped to it too, or when it has lasted and either the other
-/// sensor is silent or the reading is the nearer one.
-bool RangeFusion::isNewSurface(const Filter& filter, const Reading& reading) const {
-  const SensorTrack& own = filter.tracks[index(reading.sensor)];
-  const SensorTrack& other = filter.tracks[1 - index(reading.sensor)];
-  if (agree(other.gated_m, other.gated_variance_m2, reading.range_m, reading.variance_m2,
-            reading.stamp_s - other.gated_s)) {
-    return true;
-  }
+bool RangeFusion::differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const {
+  return squared(a_m - b_m) > squared(config_.gate_sigma) * (a_variance_m2 + b_variance_m2);
+}
+
+/// Whether the other sensor jumped to a gated reading's surface too. A lone LiDAR outlier may agree with a stereo peak:
+/// only the LiDAR's second word makes a surface farther.
+bool RangeFusion::bothJumped(const Filter& filter, const Reading& reading) const {
+  const SensorTrack& other = filter.tracks[1 - track(reading)];
+  const SensorTrack& lidar = filter.tracks[0];
+  const double apart_s = reading.stamp_s - other.gated_s;
+  return apart_s <= kTogether_s &&
+         agree(other.gated_m, other.gated_variance_m2, reading.value, reading.variance_m2, apart_s) &&
+         (lidar.gatedFor() > 0.0 || reading.value < filter.mean[0]);
+}
+
+/// Whether a gated reading has lasted, and the other sensor is silent or farther.
+bool RangeFusion::rulesAlone(const Filter& filter, const Reading& reading) const {
+  const SensorTrack& own = filter.tracks[track(reading)];
+  const SensorTrack& other = filter.tracks[1 - track(reading)];
   const bool lasting = reading.stamp_s - own.gated_since_s >= config_.lasting_s;
   const bool other_silent = reading.stamp_s - other.accepted_s > config_.lasting_s;
-  return lasting && (other_silent || reading.range_m < filter.mean[0]);
+  return lasting && (other_silent || reading.value < filter.mean[0]);
+}
+
+/// Whoever the present estimate followed is in lasting disagreement from now on.
+void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
+  if (stamp_s - followed.accepted_s > config_.lasting_s) return;
+  followed.gated_s = stamp_s;
+  followed.gated_since_s = stamp_s - config_.lasting_s;
+  followed.gated_m = filter.mean[0];
+  followed.gated_variance_m2 = filter.covariance(0, 0);
 }
 
 }  // namespace flight_corridor

@@ -5,6 +5,12 @@
 
 namespace flight_corridor {
 
+namespace {
+
+constexpr double kLearntFrom = 2.0;  // times what is applied: far away, an offset is a larger share of the disparity
+
+}  // namespace
+
 Violations check(const ScaleConfig& config) {
   Rules rules("scale");
   rules.require(0.0 <= config.max_correction && config.max_correction < 0.5, "max_correction", "0 to below 0.5",
@@ -34,8 +40,7 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
   const bool usable = config_.enabled && measured_px > 0.0 && expected_px > 0.0 && sigma_px > 0.0 &&
                       std::isfinite(measured_px + expected_px + sigma_px);
   if (!usable) return false;
-  const double ratio = measured_px / expected_px;
-  if (!(1.0 - config_.max_correction <= ratio && ratio <= 1.0 + config_.max_correction)) return false;
+  if (!(std::abs(measured_px / expected_px - 1.0) <= kLearntFrom * config_.max_correction)) return false;
 
   const Eigen::Vector2d h(measured_px, 1.0);
   const double innovation = expected_px - h.dot(mean_);
@@ -46,7 +51,7 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
   stamp_s_ = stamp_s;
   const Eigen::Vector2d gain = covariance_ * h / variance;
   mean_ += gain * innovation;
-  covariance_ -= gain * (h.transpose() * covariance_);
+  covariance_ -= gain * (h.transpose() * covariance_).eval();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose().eval());
   return true;
 }

@@ -21,15 +21,21 @@ sensor_msgs::RangeConstPtr rangeAt(double stamp_s) {
   return range;
 }
 
+sensor_msgs::ImuConstPtr imuAt(double stamp_s) {
+  const auto imu = boost::make_shared<sensor_msgs::Imu>();
+  imu->header.stamp = ros::Time(stamp_s);
+  return imu;
+}
+
 TEST(Inbox, TheNewestPairWins) {
-  Inbox inbox(10);
+  Inbox inbox{RosConfig()};
   inbox.put(pairAt(1.0));
   inbox.put(pairAt(2.0));
   EXPECT_EQ(inbox.take()->left->header.stamp, ros::Time(2.0));
 }
 
 TEST(Inbox, TakingWaitsForAPairOrTheEnd) {
-  Inbox inbox(10);
+  Inbox inbox{RosConfig()};
   auto taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
   inbox.put(pairAt(1.0));
   EXPECT_TRUE(taken.get());
@@ -39,7 +45,7 @@ TEST(Inbox, TakingWaitsForAPairOrTheEnd) {
 }
 
 TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {
-  Inbox inbox(10);
+  Inbox inbox{RosConfig()};
   for (const double stamp_s : {1.0, 1.5, 2.0}) inbox.put(rangeAt(stamp_s));
   EXPECT_EQ(inbox.takeRanges(ros::Time(1.5)).size(), 2u);
   EXPECT_EQ(inbox.takeRanges(ros::Time(1.9)).size(), 0u);
@@ -48,7 +54,9 @@ TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {
 }
 
 TEST(Inbox, WithoutATakerTheNewestRangesAreKept) {
-  Inbox inbox(2);
+  RosConfig config;
+  config.range_queue = 2;
+  Inbox inbox(config);
   for (const double stamp_s : {1.0, 1.1, 1.2}) inbox.put(rangeAt(stamp_s));
   const auto ranges = inbox.takeRanges(ros::Time(9.0));
   ASSERT_EQ(ranges.size(), 2u);
@@ -56,17 +64,30 @@ TEST(Inbox, WithoutATakerTheNewestRangesAreKept) {
 }
 
 TEST(Inbox, RangesFromBeforeATimeJumpAreForgotten) {
-  Inbox inbox(10);
+  Inbox inbox{RosConfig()};
   inbox.put(rangeAt(100.0));
   inbox.put(rangeAt(1.0));
   EXPECT_EQ(inbox.takeRanges(ros::Time(200.0)).size(), 1u);
 }
 
 TEST(Inbox, ALateRangeIsNoTimeJump) {
-  Inbox inbox(10);
+  Inbox inbox{RosConfig()};
   inbox.put(rangeAt(10.0));
   inbox.put(rangeAt(9.9));
   EXPECT_EQ(inbox.takeRanges(ros::Time(10.0)).size(), 2u);
+}
+
+TEST(Inbox, ImuReadingsWaitOnTheirOwn) {
+  RosConfig config;
+  config.imu_queue = 3;
+  Inbox inbox(config);
+  inbox.put(rangeAt(1.0));
+  for (const double stamp_s : {0.9, 1.0, 1.1, 1.2}) inbox.put(imuAt(stamp_s));
+  const auto taken = inbox.takeImu(ros::Time(1.1));
+  ASSERT_EQ(taken.size(), 2u);
+  EXPECT_EQ(taken.front()->header.stamp, ros::Time(1.0));
+  EXPECT_EQ(inbox.takeImu(ros::Time(1.2)).size(), 1u);
+  EXPECT_EQ(inbox.takeRanges(ros::Time(1.0)).size(), 1u);
 }
 
 }  // namespace

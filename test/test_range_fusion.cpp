@@ -1,11 +1,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <random>
 #include <vector>
 
 #include "flight_corridor/range_fusion.hpp"
+
+namespace {
+std::atomic<int> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace flight_corridor {
 namespace {
@@ -130,6 +145,116 @@ TEST(RangeFusion, ForgetsAfterTheGap) {
   EXPECT_NEAR(fusion.at(1.4).range_m, 5.0, 1e-9);
   EXPECT_TRUE(std::isnan(fusion.at(1.6).range_m));
   EXPECT_EQ(fusion.add(Sensor::Lidar, 2.0, 9.0, kLidarVariance_m2), Outcome::Reinitialised);
+}
+
+TEST(RangeFusion, TheRigsAccelerationIsFollowedWithoutLag) {
+  // Standing still, then 2 m/s^2 towards a wall for 1 s; a reading every 0.1 s, accelerations at 100 Hz.
+  const auto range = [](double t) { return 8.0 - std::pow(std::max(0.0, t - 1.0), 2); };
+  const auto largest_error = [&](bool has_imu) {
+    RangeFusion fusion((FusionConfig()));
+    double largest_m = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const double stamp = 0.01 * i;
+      if (has_imu) fusion.addAcceleration(stamp, i < 100 ? 0.0 : 2.0);
+      if (i > 0 && i % 10 == 0) {
+        largest_m = std::max(largest_m, std::abs(fusion.at(stamp).range_m - range(stamp)));
+      }
+      if (i % 10 == 0) fusion.add(Sensor::Lidar, stamp, range(stamp), kLidarVariance_m2);
+      if (i == 0) fusion.add(Sensor::Lidar, stamp, range(stamp), kLidarVariance_m2);
+    }
+    return largest_m;
+  };
+  EXPECT_LT(largest_error(true), 1e-3);   // what remains is rounding
+  EXPECT_GT(largest_error(false), 0.01);  // dt^2 of the first unforeseen interval
+}
+
+TEST(RangeFusion, AnOldAccelerationNoLongerDrives) {
+  RangeFusion fusion((FusionConfig()));
+  fusion.add(Sensor::Lidar, 1.0, 5.0, kLidarVariance_m2);
+  fusion.add(Sensor::Lidar, 1.0, 5.0, kLidarVariance_m2);
+  fusion.addAcceleration(1.0, 9.0);
+  EXPECT_LT(fusion.at(1.05).rate_mps, -0.4);
+  EXPECT_EQ(fusion.at(1.2).rate_mps, 0.0);
+}
+
+TEST(RangeFusion, AccelerationsMayComeLateToo) {
+  RangeFusion in_order((FusionConfig())), late((FusionConfig()));
+  for (RangeFusion* fusion : {&in_order, &late}) fusion->add(Sensor::Lidar, 1.0, 5.0, kLidarVariance_m2);
+  in_order.addAcceleration(1.01, 3.0);
+  in_order.add(Sensor::Stereo, 1.05, 4.99, kStereoVariance_m2);
+  late.add(Sensor::Stereo, 1.05, 4.99, kStereoVariance_m2);
+  late.addAcceleration(1.01, 3.0);
+  EXPECT_EQ(in_order.at(1.06).range_m, late.at(1.06).range_m);
+  EXPECT_EQ(in_order.at(1.06).rate_mps, late.at(1.06).rate_mps);
+}
+
+TEST(RangeFusion, AccelerationsAloneAreNoRange) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(fusion.addAcceleration(0.01 * i, 1.0), Outcome::Accepted);
+  EXPECT_EQ(fusion.addAcceleration(1.0, kNaN), Outcome::Invalid);
+  EXPECT_EQ(fusion.addAcceleration(kNaN, 1.0), Outcome::Invalid);
+  EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
+}
+
+TEST(RangeFusion, ALidarThatRepeatsItselfWhileStereoMovesIsFrozen) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 150; ++i) {  // flying away from a wall at 2 m/s; the LiDAR hangs after half a second
+    const double stamp = 0.01 * i, true_m = 3.0 + 2.0 * stamp;
+    const double noise_m = 0.001 * (i % 3);
+    fusion.add(Sensor::Lidar, stamp, i < 50 ? true_m + noise_m : 4.0, kLidarVariance_m2);
+    if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, true_m, kStereoVariance_m2);
+  }
+  EXPECT_NEAR(fusion.at(1.5).range_m, 6.0, 0.2);
+  EXPECT_EQ(fusion.add(Sensor::Lidar, 1.5, 4.0, kLidarVariance_m2), Outcome::Gated);
+  EXPECT_EQ(fusion.add(Sensor::Lidar, 1.51, 6.02, kLidarVariance_m2), Outcome::Accepted);
+}
+
+TEST(RangeFusion, ALidarThatRepeatsItselfWhileNothingMovesIsNot) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 150; ++i) {
+    EXPECT_NE(fusion.add(Sensor::Lidar, 0.01 * i, 4.0, kLidarVariance_m2), Outcome::Gated);
+    if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i, 4.0 + 0.05 * (i % 2), kStereoVariance_m2);
+  }
+}
+
+TEST(RangeFusion, AnHourOfReadingsChangesNothingOfTheirFusion) {
+  RangeFusion flown((FusionConfig())), fresh((FusionConfig()));
+  for (int i = 0; i < 360000; ++i) {
+    flown.add(Sensor::Lidar, 0.01 * i, 5.0, kLidarVariance_m2);
+    if (i >= 359000) fresh.add(Sensor::Lidar, 0.01 * i, 5.0, kLidarVariance_m2);
+  }
+  EXPECT_NEAR(flown.at(3600.0).range_m, fresh.at(3600.0).range_m, 1e-9);
+  EXPECT_NEAR(flown.at(3600.0).sigma_m, fresh.at(3600.0).sigma_m, 1e-9);
+}
+
+TEST(RangeFusion, MoreReadingsThanTheBufferHoldsAreFusedAllTheSame) {
+  RangeFusion fusion((FusionConfig()));  // 5 kHz: the buffer's half second does not fit
+  for (int i = 0; i < 20000; ++i) {
+    ASSERT_NE(fusion.add(Sensor::Lidar, 2e-4 * i, 5.0 + 1e-3 * (i % 2), kLidarVariance_m2), Outcome::TooLate) << i;
+  }
+  EXPECT_NEAR(fusion.at(4.0).range_m, 5.0, 0.01);
+}
+
+TEST(RangeFusion, ASlowCameraTooRulesWhenItIsNearer) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 200; ++i) {  // a LiDAR 9 m off while stereo, at 5 Hz, saw nothing for a while
+    const double stamp = 0.01 * i;
+    fusion.add(Sensor::Lidar, stamp, 12.0 - stamp, kLidarVariance_m2);
+    if (i >= 100 && i % 20 == 0) fusion.add(Sensor::Stereo, stamp, 3.0 - stamp, kStereoVariance_m2);
+  }
+  EXPECT_NEAR(fusion.at(2.0).range_m, 1.2, 0.3);
+  EXPECT_TRUE(fusion.at(2.0).disagreement);
+}
+
+TEST(RangeFusion, NothingIsAllocatedInFlight) {
+  RangeFusion fusion((FusionConfig()));
+  const int before = allocations;
+  for (int i = 0; i < 3000; ++i) {
+    fusion.addAcceleration(0.01 * i, 0.1);
+    fusion.add(Sensor::Lidar, 0.01 * i, 5.0, kLidarVariance_m2);
+    if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i - 0.1, 5.0, kStereoVariance_m2);
+  }
+  EXPECT_EQ(allocations, before);
 }
 
 TEST(RangeFusion, RefusesWhatIsNoReading) {

@@ -92,6 +92,7 @@ TEST(Simulation, TheSameOptionsGiveTheSameBytesInWhateverOrder) {
   const std::vector<RangeReading> ranges = once.ranges(), same_ranges = again.ranges();
   ASSERT_EQ(ranges.size(), same_ranges.size());
   for (std::size_t i = 0; i < ranges.size(); ++i) EXPECT_EQ(ranges[i].range_m, same_ranges[i].range_m);
+  EXPECT_EQ(once.imuReadings().back().specific_force_B_mps2, again.imuReadings().back().specific_force_B_mps2);
 }
 
 TEST(Simulation, AnotherSeedGivesAnotherFlight) {
@@ -140,6 +141,28 @@ TEST(Simulation, TheBeamEndsOnTheSurfaceThatTheDepthImageShowsThere) {
     ++compared;
   }
   EXPECT_GE(compared, 12);
+}
+
+TEST(Simulation, TheImusReadingsSummedTwiceAreTheFlight) {
+  const Simulation simulation(small("wall", 5));
+  const std::vector<ImuReading> readings = simulation.imuReadings();
+  const double step_s = readings[1].stamp_s - readings[0].stamp_s;
+  EXPECT_NEAR(step_s, 0.005, 1e-9);
+  const auto p_W = [&](double stamp_s) -> Eigen::Vector3d { return simulation.T_W_B(stamp_s).translation(); };
+  Eigen::Vector3d position_W = p_W(readings.front().stamp_s);
+  Eigen::Vector3d velocity_W = (position_W - p_W(readings.front().stamp_s - step_s)) / step_s;
+  for (const ImuReading& reading : readings) {
+    const Eigen::Vector3d acceleration_W =
+        simulation.T_W_B(reading.stamp_s).linear() * reading.specific_force_B_mps2 - Eigen::Vector3d(0, 0, 9.80665);
+    velocity_W += acceleration_W * step_s;
+    position_W += velocity_W * step_s;
+  }
+  const double duration_s = readings.back().stamp_s - readings.front().stamp_s;
+  const Eigen::Vector3d end_W = p_W(readings.back().stamp_s + step_s);
+  EXPECT_GT((end_W - p_W(readings.front().stamp_s)).norm(), 4.0);
+  // White noise of 0.05 m/s^2, summed twice: variance 0.05^2 * step * duration^3 / 3; five sigma.
+  EXPECT_NEAR((position_W - end_W).cwiseAbs().maxCoeff(), 0.0,
+              5.0 * 0.05 * std::sqrt(step_s * std::pow(duration_s, 3) / 3.0));
 }
 
 TEST(Simulation, GlassIsThereForTheLidarAndNotForTheCamera) {

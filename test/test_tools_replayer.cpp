@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <tf2_eigen/tf2_eigen.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <cmath>
 
@@ -44,6 +46,33 @@ class ReplayerTest : public testing::Test {
       bag.writePair(stamp, view(0), view(disparity_px));
     }
     bag.close();
+  }
+
+  /// Adds half a second of an imu, and of its attitude where wanted: level.
+  void writeImu(const sensor_msgs::Imu& imu, bool with_attitude = true) const {
+    rosbag::Bag bag(path(), rosbag::bagmode::Append);
+    for (int i = 0; i <= 50; ++i) {
+      const ros::Time stamp = kStart + ros::Duration(0.01 * i);
+      sensor_msgs::Imu stamped = imu;
+      stamped.header.stamp = stamp;
+      stamped.header.frame_id = "base_link";
+      bag.write(StereoTopics().imu, stamp, stamped);
+      geometry_msgs::TransformStamped level = tf2::eigenToTransform(Eigen::Isometry3d::Identity());
+      level.header.stamp = stamp;
+      level.header.frame_id = "odom";
+      level.child_frame_id = "base_link";
+      tf2_msgs::TFMessage transforms;
+      transforms.transforms = {level};
+      if (with_attitude) bag.write("/tf", stamp, transforms);
+    }
+    bag.close();
+  }
+
+  static sensor_msgs::Imu imu(double forward_mps2) {
+    sensor_msgs::Imu message;
+    message.linear_acceleration.x = forward_mps2;
+    message.linear_acceleration.z = 9.80665;
+    return message;
   }
 
   void writeOne(const sensor_msgs::Image& left, const sensor_msgs::Image& right) const {
@@ -120,6 +149,42 @@ TEST_F(ReplayerTest, GivesTheSameAnswersTwice) {
     EXPECT_EQ(once[i].verdict.reasons, again[i].verdict.reasons);
     EXPECT_EQ(once[i].range.range_m, again[i].range.range_m);
     EXPECT_EQ(once[i].scale, again[i].scale);
+  }
+}
+
+TEST_F(ReplayerTest, AnImuAtRestChangesNothing) {
+  writeWall(6);
+  const Report without = replay().back();
+  writeImu(imu(0.0));
+  const Report with = replay().back();
+  EXPECT_EQ(with.verdict.state, without.verdict.state);
+  EXPECT_NEAR(with.range.range_m, without.range.range_m, 1e-6);
+  EXPECT_NEAR(with.range.rate_mps, without.range.rate_mps, 1e-6);
+}
+
+TEST_F(ReplayerTest, TheImusForwardAccelerationShortensThePredictedRange) {
+  writeWall(6);
+  const Report without = replay().back();
+  writeImu(imu(1.0));
+  const Report with = replay().back();
+  EXPECT_LT(with.range.rate_mps, without.range.rate_mps - 1e-3);
+  EXPECT_EQ(with.verdict.state, without.verdict.state);
+}
+
+TEST_F(ReplayerTest, AnImuThatCannotBeUsedDoesNoHarm) {
+  sensor_msgs::Imu nan = imu(std::nan("")), infinite = imu(kInfinity), none = imu(5.0);
+  none.linear_acceleration_covariance[0] = -1.0;
+  writeWall(6);
+  const Report without = replay().back();
+  for (const auto& [unusable, with_attitude] :
+       {std::pair{nan, true}, std::pair{infinite, true}, std::pair{none, true}, std::pair{imu(5.0), false}}) {
+    writeWall(6);
+    writeImu(unusable, with_attitude);
+    const Report with = replay().back();
+    EXPECT_EQ(with.verdict.state, without.verdict.state);
+    EXPECT_EQ(with.verdict.reasons, without.verdict.reasons);
+    EXPECT_EQ(with.range.range_m, without.range.range_m);
+    EXPECT_EQ(with.range.rate_mps, without.range.rate_mps);
   }
 }
 

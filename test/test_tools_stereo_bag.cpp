@@ -34,7 +34,7 @@ class StereoBagTest : public testing::Test {
 
   std::string path() const { return folder.path("flight.bag"); }
 
-  /// Two pairs 0.1 s apart, a range between them, poses around them.
+  /// Two pairs 0.1 s apart, an imu reading and a range between them, poses around them.
   void writeFlight() const {
     StereoBagWriter bag(path(), rig, kStart);
     Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
@@ -43,6 +43,7 @@ class StereoBagTest : public testing::Test {
     bag.writePose(kStart + ros::Duration(0.2), T_W_B);
     bag.writePair(kStart + ros::Duration(0.1), cv::Mat(6, 8, CV_8UC3, {1, 2, 3}), cv::Mat(6, 8, CV_8UC3, {4, 5, 6}));
     bag.writePair(kStart, cv::Mat(6, 8, CV_8UC1, 10), cv::Mat(6, 8, CV_8UC1, 20));
+    bag.writeImu(kStart + ros::Duration(0.03), {0.5, 0.0, 9.75});
     RangeReading reading;
     reading.range_m = -kInfinity;
     reading.max_range_m = 100.0;
@@ -61,7 +62,8 @@ class StereoBagTest : public testing::Test {
   std::string playError() const {
     const StereoBagReader bag(path(), {});
     try {
-      bag.play({}, {[](const StereoMessages&) {}, [](const sensor_msgs::RangeConstPtr&) {}});
+      bag.play({}, {[](const StereoMessages&) {}, [](const sensor_msgs::RangeConstPtr&) {},
+                    [](const sensor_msgs::ImuConstPtr&) {}});
     } catch (const std::runtime_error& error) {
       return error.what();
     }
@@ -93,8 +95,17 @@ TEST_F(StereoBagTest, HandsOutWhatWasWrittenInTheOrderOfRecording) {
                 [&](const sensor_msgs::RangeConstPtr& range) {
                   stamps.push_back(range->header.stamp);
                   EXPECT_EQ(range->range, -std::numeric_limits<float>::infinity());
+                },
+                [&](const sensor_msgs::ImuConstPtr& imu) {
+                  stamps.push_back(imu->header.stamp);
+                  EXPECT_EQ(imu->header.frame_id, "base_link");
+                  EXPECT_EQ(imu->linear_acceleration.x, 0.5);
+                  EXPECT_EQ(imu->linear_acceleration.z, 9.75);
+                  EXPECT_EQ(imu->angular_velocity_covariance[0], -1.0);
+                  EXPECT_EQ(imu->linear_acceleration_covariance[0], 0.0);
                 }});
-  EXPECT_EQ(stamps, (std::vector<ros::Time>{kStart, kStart + ros::Duration(0.05), kStart + ros::Duration(0.1)}));
+  EXPECT_EQ(stamps, (std::vector<ros::Time>{kStart, kStart + ros::Duration(0.03), kStart + ros::Duration(0.05),
+                                            kStart + ros::Duration(0.1)}));
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0].right->data.front(), 20);
   EXPECT_EQ(pairs[1].left->encoding, sensor_msgs::image_encodings::BGR8);
@@ -116,7 +127,7 @@ TEST_F(StereoBagTest, CalibrationSurvivesAlsoWithPrincipalPointsThatDiffer) {
                    EXPECT_EQ(read.cx_right_px, 5.5);
                    EXPECT_NEAR(read.baseline_m, 0.12, 1e-15);
                  },
-                 [](const sensor_msgs::RangeConstPtr&) {}});
+                 [](const sensor_msgs::RangeConstPtr&) {}, [](const sensor_msgs::ImuConstPtr&) {}});
 }
 
 TEST_F(StereoBagTest, TransformsAreInterpolatedBetweenPoses) {
@@ -161,7 +172,7 @@ TEST_F(StereoBagTest, PairsImagesOfSimilarStampsWhenAsked) {
                          ++pairs;
                          EXPECT_NEAR((pair.right->header.stamp - pair.left->header.stamp).toSec(), 0.004, 1e-9);
                        },
-                       nullptr});
+                       nullptr, nullptr});
     return pairs;
   };
   flight_corridor_ros::RosConfig pairing;
@@ -220,6 +231,17 @@ TEST_F(StereoBagTest, NamesATopicOfAnotherType) {
   StereoTopics topics;
   topics.left = "/range";
   EXPECT_NE(readError(topics).find("no topic /range of type sensor_msgs/Image"), std::string::npos);
+}
+
+TEST_F(StereoBagTest, TheImuMayBeMissingUnlessItIsRequired) {
+  writeFlight();
+  EXPECT_NO_THROW(StereoBagReader(path(), {}).requireImu());
+  StereoTopics topics;
+  topics.imu = "/mavros/imu/data";
+  EXPECT_EQ(readError(topics), "");
+  EXPECT_THROW(StereoBagReader(path(), topics).requireImu(), std::runtime_error);
+  topics.imu = "/range";
+  EXPECT_NE(readError(topics).find("no topic /range of type sensor_msgs/Imu"), std::string::npos);
 }
 
 TEST_F(StereoBagTest, NamesAFileThatCannotBeWritten) {

@@ -46,6 +46,8 @@ class BeamFootprint {
   Eigen::Vector3d point(double range_m) const { return origin_C_ + range_m * direction_C_; }
   /// Depth (along z of C) of the beam's point at a range.
   double depth(double range_m) const { return point(range_m).z(); }
+  /// Component of a vector of C along the beam.
+  double along(const Eigen::Vector3d& vector_C) const { return direction_C_.dot(vector_C); }
   /// Range along the beam at which its point has this depth.
   double range(double depth_m) const { return (depth_m - origin_C_.z()) / direction_C_.z(); }
 

@@ -65,6 +65,9 @@ class Pipeline {
   /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).
   Outcome addRange(const RangeReading& reading);
 
+  /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
+  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2);
+
   /// The verdict for one stereo pair.
   /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set,
   /// else unused.
@@ -96,12 +99,14 @@ class Pipeline {
   struct LidarMemory {
     RangeReading reading;
     Outcome outcome;
+    int repetitions = 0;  // of its range, by the readings before it
   };
 
   bool isFrozen(const StereoFrame& frame);
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
   void fuseRange(double stamp_s);
+  double stereoVariance(const FootprintReading& stereo) const;
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
   double lidarRange(double stamp_s) const;
   void updateMap();

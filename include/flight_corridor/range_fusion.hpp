@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <deque>
+#include <vector>
 
 #include "flight_corridor/types.hpp"
 
@@ -13,7 +13,7 @@ struct FusionConfig {
   double acceleration_sigma_mps2 = 3.0;     ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
   double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
   double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
-  double disparity_sigma_px = 0.3;          ///< sigma_d of R_stereo = (Z^2/(fB) sigma_d)^2 + stereo_variance_m2.
+  double disparity_sigma_px = 0.1;          ///< sigma_d of R_stereo: (Z^2/(fB) sigma_d)^2.
   double gate_sigma = 4.0;                  ///< Readings further from the prediction are gated; inf switches it off.
   double lasting_s = 0.2;                   ///< A sensor gated for so long is in lasting disagreement.
   double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
@@ -35,9 +35,10 @@ struct RangeEstimate {
   double disagreeing_m = kNaN;  ///< What that sensor says.
 };
 
-/// Kalman filter of the range on the beam: state [range, range rate], readings of both sensors at their own stamps
-/// (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001, eq. 6.2.2-12).
-/// Late readings are replayed into their place: any arrival order within the buffer gives the same state.
+/// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
+/// their own stamps (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001,
+/// eq. 6.2.2-12). Late readings are replayed into their place: any arrival order within the buffer gives the same
+/// state. No allocation after construction.
 class RangeFusion {
  public:
   /// @throws std::invalid_argument with every broken rule.
@@ -46,26 +47,41 @@ class RangeFusion {
   /// @param variance_m2 measurement noise R, > 0.
   Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2);
 
+  /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
+  /// s.
+  Outcome addAcceleration(double stamp_s, double acceleration_mps2);
+
   /// The estimate predicted to a stamp not before the buffer's start.
   RangeEstimate at(double stamp_s) const;
 
   void reset();
 
  private:
+  enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order in which equal stamps are taken
   struct Reading {
-    Sensor sensor;
-    double stamp_s, range_m, variance_m2;
+    Kind kind;
+    double stamp_s, value, variance_m2;  // value: range [m] or acceleration [m/s^2]
   };
   struct SensorTrack {  // per-sensor memory that the gate needs
     double accepted_s = -kInfinity;
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
+    bool outlier = false;  // the last gated reading told of something else, and was passed over
+    double gatedFor() const { return gated_s - gated_since_s; }
+  };
+  struct Repetition {  // a LiDAR that repeats one value to the last bit, and where stereo was when that began
+    double lidar_m = kNaN, since_s = kNaN;
+    double stereo_m = kNaN, stereo_variance_m2 = kNaN;
+    int moved = 0;  // stereo readings in a row that are elsewhere: one may be a peak
+    bool isFrozen() const { return moved >= 2; }
   };
   struct Filter {  // everything that one reading changes: copying it is remembering it
     double stamp_s = kNaN;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    double acceleration_s = -kInfinity, acceleration_mps2 = 0.0;
     std::array<SensorTrack, 2> tracks;
+    Repetition repetition;
     bool confirmed = false;  // by a second reading: a lone one may be a spike
     bool initialised() const { return stamp_s == stamp_s; }
     double lastAccepted() const { return std::max(tracks[0].accepted_s, tracks[1].accepted_s); }
@@ -76,16 +92,24 @@ class RangeFusion {
     Outcome outcome;
   };
 
+  static std::size_t track(const Reading& reading) { return reading.kind == Kind::Lidar ? 0 : 1; }
+  Outcome insert(const Reading& reading);
+  void forgetOldest();
   Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
+  Outcome correct(Filter& filter, const Reading& reading) const;
+  void watchRepetition(Repetition& repetition, const Reading& reading) const;
   void remember(SensorTrack& track, const Reading& reading) const;
-  bool isNewSurface(const Filter& filter, const Reading& reading) const;
+  bool bothJumped(const Filter& filter, const Reading& reading) const;
+  bool rulesAlone(const Filter& filter, const Reading& reading) const;
+  void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
   bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
-  static void initialise(Filter& filter, double stamp_s, double range_m, double variance_m2);
+  bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
+  static void initialise(Filter& filter, const Reading& reading);
 
   FusionConfig config_;
-  Filter before_;           // state before the oldest buffered reading
-  std::deque<Step> steps_;  // ordered by stamp
+  Filter before_;            // state before the oldest buffered reading
+  std::vector<Step> steps_;  // ordered by stamp
 };
 
 }  // namespace flight_corridor

@@ -8,11 +8,27 @@ namespace {
 
 constexpr double kLongestDelay_s = 1.0;  // a stamp further back than this means that time was set back
 
-bool isBefore(const sensor_msgs::RangeConstPtr& a, const sensor_msgs::RangeConstPtr& b) {
-  return a->header.stamp.toSec() + kLongestDelay_s < b->header.stamp.toSec();
+}  // namespace
+
+template <typename MessageConstPtr>
+void Inbox::Readings<MessageConstPtr>::put(const MessageConstPtr& reading) {
+  const bool time_was_set_back =
+      newest_ && reading->header.stamp.toSec() + kLongestDelay_s < newest_->header.stamp.toSec();
+  if (time_was_set_back) waiting_.clear();
+  if (waiting_.size() == capacity_) waiting_.pop_front();
+  waiting_.push_back(reading);
+  newest_ = reading;
 }
 
-}  // namespace
+template <typename MessageConstPtr>
+std::vector<MessageConstPtr> Inbox::Readings<MessageConstPtr>::take(const ros::Time& until) {
+  std::vector<MessageConstPtr> taken;
+  while (!waiting_.empty() && waiting_.front()->header.stamp <= until) {
+    taken.push_back(waiting_.front());
+    waiting_.pop_front();
+  }
+  return taken;
+}
 
 void Inbox::put(const StereoMessages& pair) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -22,10 +38,12 @@ void Inbox::put(const StereoMessages& pair) {
 
 void Inbox::put(const sensor_msgs::RangeConstPtr& range) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (newest_range_ && isBefore(range, newest_range_)) ranges_.clear();
-  if (ranges_.size() == range_capacity_) ranges_.pop_front();
-  ranges_.push_back(range);
-  newest_range_ = range;
+  ranges_.put(range);
+}
+
+void Inbox::put(const sensor_msgs::ImuConstPtr& imu) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  imu_.put(imu);
 }
 
 std::optional<StereoMessages> Inbox::take() {
@@ -36,17 +54,17 @@ std::optional<StereoMessages> Inbox::take() {
 
 std::vector<sensor_msgs::RangeConstPtr> Inbox::takeRanges(const ros::Time& until) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::vector<sensor_msgs::RangeConstPtr> taken;
-  while (!ranges_.empty() && ranges_.front()->header.stamp <= until) {
-    taken.push_back(ranges_.front());
-    ranges_.pop_front();
-  }
-  return taken;
+  return ranges_.take(until);
+}
+
+std::vector<sensor_msgs::ImuConstPtr> Inbox::takeImu(const ros::Time& until) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return imu_.take(until);
 }
 
 sensor_msgs::RangeConstPtr Inbox::newestRange() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return newest_range_;
+  return ranges_.newest();
 }
 
 void Inbox::close() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
 #include <condition_variable>
@@ -8,24 +9,27 @@
 #include <optional>
 #include <vector>
 
+#include "ros/params.hpp"
 #include "ros/stereo_subscriber.hpp"
 
 namespace flight_corridor_ros {
 
-/// What waits for the worker: the newest stereo pair (an older one gives way) and the LiDAR readings (none gets lost).
-/// Any thread may put; one thread takes.
+/// What waits for the worker: the newest stereo pair (an older one gives way), the LiDAR's and the imu's readings (none
+/// gets lost). Any thread may put; one thread takes.
 class Inbox {
  public:
-  /// @param range_capacity without a taker, the newest readings that are kept.
-  explicit Inbox(std::size_t range_capacity) : range_capacity_(range_capacity) {}
+  /// @param config range_queue and imu_queue: without a taker, the newest readings that are kept.
+  explicit Inbox(const RosConfig& config) : ranges_(config.range_queue), imu_(config.imu_queue) {}
 
   void put(const StereoMessages& pair);
   void put(const sensor_msgs::RangeConstPtr& range);
+  void put(const sensor_msgs::ImuConstPtr& imu);
 
   /// Waits for a pair.  @return nullopt when closed.
   std::optional<StereoMessages> take();
   /// The readings not after a stamp, in the order of arrival; later ones wait for a later pair.
   std::vector<sensor_msgs::RangeConstPtr> takeRanges(const ros::Time& until);
+  std::vector<sensor_msgs::ImuConstPtr> takeImu(const ros::Time& until);
 
   /// The reading that came last, taken or not; null when none came.
   sensor_msgs::RangeConstPtr newestRange() const;
@@ -33,13 +37,27 @@ class Inbox {
   void close();
 
  private:
+  /// Readings of one sensor, in the order of arrival.
+  template <typename MessageConstPtr>
+  class Readings {
+   public:
+    explicit Readings(int capacity) : capacity_(static_cast<std::size_t>(capacity)) {}
+    void put(const MessageConstPtr& reading);
+    std::vector<MessageConstPtr> take(const ros::Time& until);
+    const MessageConstPtr& newest() const { return newest_; }
+
+   private:
+    std::deque<MessageConstPtr> waiting_;
+    MessageConstPtr newest_;
+    std::size_t capacity_;
+  };
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool closed_ = false;
   std::optional<StereoMessages> pair_;
-  std::deque<sensor_msgs::RangeConstPtr> ranges_;
-  sensor_msgs::RangeConstPtr newest_range_;
-  std::size_t range_capacity_;
+  Readings<sensor_msgs::RangeConstPtr> ranges_;
+  Readings<sensor_msgs::ImuConstPtr> imu_;
 };
 
 }  // namespace flight_corridor_ros

@@ -27,7 +27,7 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : config_(makeConfig(readParameters(private_node))),
       publishers_(private_node, config_.core),
       transforms_(node),
-      inbox_(static_cast<std::size_t>(config_.ros.range_queue)),
+      inbox_(config_.ros),
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
       answered_wall_s_(wallSeconds()),
@@ -35,6 +35,9 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       range_(ros::NodeHandle(node).subscribe<sensor_msgs::Range>(
           "range", static_cast<std::uint32_t>(config_.ros.range_queue),
           [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
+      imu_(ros::NodeHandle(node).subscribe<sensor_msgs::Imu>(
+          "imu", static_cast<std::uint32_t>(config_.ros.imu_queue),
+          [this](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); })),
       watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
       worker_([this] { work(); }) {
   if (config_.core.fusion.acceleration_sigma_mps2 == 0.0) {

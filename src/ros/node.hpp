@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/node_handle.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
 #include <atomic>
@@ -50,7 +51,7 @@ class Node {
   std::atomic<double> answered_wall_s_;
 
   StereoSubscriber stereo_;
-  ros::Subscriber range_;
+  ros::Subscriber range_, imu_;
   Heartbeat watchdog_;
   std::thread worker_;  // last: nothing after it may throw
 };

@@ -88,8 +88,14 @@ Fields bind(flight_corridor::CorridorConfig& c) {
 }
 
 Fields bind(RosConfig& c) {
-  return {{"approximate_sync", &c.approximate_sync}, {"sync_slop_s", &c.sync_slop_s}, {"sync_queue", &c.sync_queue},
-          {"range_queue", &c.range_queue},           {"watchdog_s", &c.watchdog_s},   {"tf_timeout_s", &c.tf_timeout_s},
+  return {{"approximate_sync", &c.approximate_sync},
+          {"sync_slop_s", &c.sync_slop_s},
+          {"sync_queue", &c.sync_queue},
+          {"range_queue", &c.range_queue},
+          {"imu_queue", &c.imu_queue},
+          {"gravity_frame", &c.gravity_frame},
+          {"watchdog_s", &c.watchdog_s},
+          {"tf_timeout_s", &c.tf_timeout_s},
           {"image_transport", &c.image_transport}};
 }
 
@@ -155,6 +161,8 @@ Violations check(const RosConfig& config) {
   rules.require(config.sync_slop_s >= 0.0, "sync_slop_s", "not negative", config.sync_slop_s);
   rules.require(config.sync_queue >= 1, "sync_queue", "1 or more", config.sync_queue);
   rules.require(config.range_queue >= 1, "range_queue", "1 or more", config.range_queue);
+  rules.require(config.imu_queue >= 1, "imu_queue", "1 or more", config.imu_queue);
+  rules.require(!config.gravity_frame.empty(), "gravity_frame", "a frame's name", config.gravity_frame);
   rules.require(config.watchdog_s > 0.0, "watchdog_s", "positive", config.watchdog_s);
   rules.require(config.tf_timeout_s >= 0.0, "tf_timeout_s", "not negative", config.tf_timeout_s);
   rules.require(!config.image_transport.empty(), "image_transport", "a transport's name", config.image_transport);

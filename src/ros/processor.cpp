@@ -30,7 +30,7 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   if (const std::uint32_t reasons = rig_.fit(pair, lidar ? lidar->header.frame_id : "")) {
     return report_ = refusal(header.stamp, reasons);
   }
-  for (const auto& range : inbox_.takeRanges(header.stamp)) rig_->addRange(toReading(*range));
+  addReadings(header);
   left_ = readImage(pair.left);
   const auto right = readImage(pair.right);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
@@ -44,6 +44,15 @@ void Processor::forgetWhenTimeJumpsBack(const ros::Time& stamp) {
     rig_->reset();
   }
   newest_stamp_ = stamp;
+}
+
+/// Readings up to an image. Accelerations first: ranges need them to be predicted.
+void Processor::addReadings(const std_msgs::Header& header) {
+  for (const auto& imu : inbox_.takeImu(header.stamp)) {
+    const auto acceleration_C = accelerometer_.read(*imu, header.frame_id);
+    if (acceleration_C) rig_->addAcceleration(imu->header.stamp.toSec(), *acceleration_C);
+  }
+  for (const auto& range : inbox_.takeRanges(header.stamp)) rig_->addRange(toReading(*range));
 }
 
 std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& header) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "flight_corridor/pipeline.hpp"
+#include "ros/imu.hpp"
 #include "ros/inbox.hpp"
 #include "ros/params.hpp"
 #include "ros/rig_pipeline.hpp"
@@ -18,9 +19,13 @@ flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons);
 /// From messages to verdicts: the part of the node that needs neither a master nor a clock. One thread.
 class Processor {
  public:
-  /// @param inbox where the LiDAR readings wait.
+  /// @param inbox where the LiDAR's and the imu's readings wait.
   Processor(const NodeConfig& config, const Transforms& transforms, Inbox& inbox)
-      : config_(config), transforms_(transforms), inbox_(inbox), rig_(config.core, transforms) {}
+      : config_(config),
+        transforms_(transforms),
+        inbox_(inbox),
+        rig_(config.core, transforms),
+        accelerometer_(config.ros.gravity_frame, transforms) {}
 
   /// The verdict for one pair; a stamp before the last pair's starts everything anew.
   const flight_corridor::Report& process(const StereoMessages& pair);
@@ -34,6 +39,7 @@ class Processor {
 
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);
+  void addReadings(const std_msgs::Header& header);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
   cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message);
 
@@ -41,6 +47,7 @@ class Processor {
   const Transforms& transforms_;
   Inbox& inbox_;
   RigPipeline rig_;
+  Accelerometer accelerometer_;
   flight_corridor::Report report_;
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
   bool has_products_ = false;

@@ -11,6 +11,9 @@ namespace flight_corridor::sim {
 namespace {
 
 constexpr double kFirstStamp_s = 100.0;  // not zero: that means "no time" to ROS
+constexpr double kImuRate_hz = 200.0;
+constexpr double kImuNoise_mps2 = 0.05;  // standard deviation of a reading, each axis
+constexpr double kGravity_mps2 = 9.80665;
 
 const SimulationOptions& checked(const SimulationOptions& options) {
   std::string broken;
@@ -74,6 +77,24 @@ std::vector<RangeReading> Simulation::ranges() const {
     if (!reading) continue;
     reading->stamp_s = stamp_s;
     readings.push_back(*reading);
+  }
+  return readings;
+}
+
+/// f = R_B_W (a - g), a by the central second difference of the pose, so that summing it twice gives the flight again.
+std::vector<ImuReading> Simulation::imuReadings() const {
+  std::vector<ImuReading> readings;
+  Random noise(options_.seed, Stream::ImuNoise);
+  const double step_s = 1.0 / kImuRate_hz;
+  for (const double time_s : ticks(scene_.flight.duration_s - 2.0 * step_s, kImuRate_hz)) {
+    const double stamp_s = kFirstStamp_s + time_s + step_s;
+    const Eigen::Isometry3d before = T_W_B(stamp_s - step_s), now = T_W_B(stamp_s), after = T_W_B(stamp_s + step_s);
+    const Eigen::Vector3d acceleration_W =
+        (before.translation() - 2.0 * now.translation() + after.translation()) / (step_s * step_s);
+    const Eigen::Vector3d noise_B{noise.normal(kImuNoise_mps2), noise.normal(kImuNoise_mps2),
+                                  noise.normal(kImuNoise_mps2)};  // braces: in this order
+    readings.push_back(
+        {stamp_s, now.linear().transpose() * (acceleration_W + kGravity_mps2 * Eigen::Vector3d::UnitZ()) + noise_B});
   }
   return readings;
 }

@@ -28,7 +28,13 @@ struct SimulationOptions {
   Eigen::Vector3d corridor_m{4.0, 1.2, 0.4};  ///< Length, width and height of the box that truth() speaks of.
 };
 
-/// One recorded flight: stereo pairs, LiDAR readings, poses and truth, computed when asked for.
+/// What an ideal imu in B measures, with noise.
+struct ImuReading {
+  double stamp_s = 0.0;
+  Eigen::Vector3d specific_force_B_mps2 = Eigen::Vector3d::Zero();  ///< Acceleration less gravity's.
+};
+
+/// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed when asked for.
 /// The same options give the same bytes, in whatever order things are asked for.
 class Simulation {
  public:
@@ -47,6 +53,9 @@ class Simulation {
   StereoFrame frame(std::size_t index) const;
   /// All LiDAR readings of the flight, ascending stamps.
   std::vector<RangeReading> ranges() const;
+  /// All imu readings of the flight, ascending stamps, from the second to the last but one moment: before the start and
+  /// after the end nobody moves.
+  std::vector<ImuReading> imuReadings() const;
   CorridorTruth truth(std::size_t index) const;
   /// Exact depth of the left image [m], CV_32FC1, NaN = sky.
   cv::Mat depth(std::size_t index) const;

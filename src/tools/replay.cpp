@@ -42,8 +42,10 @@ PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader&
   return pictures;
 }
 
-void checkRanges(const StereoBagReader& bag, const CommandLine& options) {
+/// Topics that may be missing must be there when they are named.
+void checkOptionalTopics(const StereoBagReader& bag, const CommandLine& options) {
   if (options.given("range")) bag.requireRanges();
+  if (options.given("imu")) bag.requireImu();
   if (!bag.hasRanges()) {
     std::cerr << "replay: " << options.text("bag") << " has no topic " << options.text("range") << ": stereo alone\n";
   }
@@ -133,7 +135,7 @@ int replay(const CommandLine& options) {
   const flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
   const std::string path = options.text("bag");
   const StereoBagReader bag(path, topicsFrom(options));
-  checkRanges(bag, options);
+  checkOptionalTopics(bag, options);
   Pictures pictures(pictureOptions(options, bag));
   std::optional<VerdictBag> verdicts;
   if (options.given("out")) verdicts.emplace(options.text("out"), config.core.corridor);

@@ -36,19 +36,17 @@ void declareTopics(CommandLine& options) {
       .optional("left-info", "TOPIC", "left CameraInfo", topics.left_info)
       .optional("right", "TOPIC", "right rectified image", topics.right)
       .optional("right-info", "TOPIC", "right CameraInfo", topics.right_info)
-      .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range); may be missing unless named", topics.range);
+      .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range); may be missing unless named", topics.range)
+      .optional("imu", "TOPIC", "imu (sensor_msgs/Imu); may be missing unless named", topics.imu);
 }
 
 StereoTopics topicsFrom(const CommandLine& options) {
-  return {options.text("left"), options.text("left-info"), options.text("right"), options.text("right-info"),
-          options.text("range")};
+  return {options.text("left"),       options.text("left-info"), options.text("right"),
+          options.text("right-info"), options.text("range"),     options.text("imu")};
 }
 
 Replayer::Replayer(const StereoBagReader& bag, const shell::NodeConfig& config)
-    : bag_(bag),
-      config_(withoutWaiting(config)),
-      inbox_(static_cast<std::size_t>(config.ros.range_queue)),
-      processor_(config_, bag.transforms(), inbox_) {
+    : bag_(bag), config_(withoutWaiting(config)), inbox_(config.ros), processor_(config_, bag.transforms(), inbox_) {
   showWarningsOnly();
 }
 
@@ -57,7 +55,8 @@ void Replayer::run(const std::function<void(const Answer& answer)>& on_answer) {
                             const Report& report = processor_.process(pair);
                             on_answer({pair, report, processor_.products()});
                           },
-                          [&](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); }});
+                          [&](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); },
+                          [&](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); }});
 }
 
 }  // namespace flight_corridor::tools

@@ -17,7 +17,7 @@ namespace flight_corridor::tools {
 /// @throws std::invalid_argument naming what is wrong with the file or its keys.
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
-/// Declares --left, --left-info, --right, --right-info and --range.
+/// Declares --left, --left-info, --right, --right-info, --range and --imu.
 void declareTopics(CommandLine& options);
 StereoTopics topicsFrom(const CommandLine& options);
 

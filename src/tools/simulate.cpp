@@ -83,6 +83,9 @@ int simulate(const CommandLine& options) {
   writePoses(simulation, bag);
   const std::vector<RangeReading> ranges = simulation.ranges();
   for (const RangeReading& reading : ranges) bag.writeRange(ros::Time(reading.stamp_s), reading);
+  for (const sim::ImuReading& reading : simulation.imuReadings()) {
+    bag.writeImu(ros::Time(reading.stamp_s), reading.specific_force_B_mps2);
+  }
   writeFrames(simulation, bag);
   bag.close();
   std::printf("%s: %zu pairs, %zu ranges\n", options.text("out").c_str(), simulation.frameTimes().size(),

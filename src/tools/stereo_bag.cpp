@@ -28,7 +28,7 @@ constexpr char kCameraFrame[] = "stereo_left_optical";
 constexpr char kRangeFrame[] = "range_link";
 constexpr char kTransformTopic[] = "/tf";
 constexpr char kStaticTransformTopic[] = "/tf_static";
-const ros::Duration kImageDelay(0.001);  // images are recorded after ranges and poses of the same stamp
+const ros::Duration kImageDelay(0.001);  // images are recorded after readings and poses of the same stamp
 
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
@@ -142,10 +142,13 @@ template <typename Policy>
 void playPairs(const rosbag::Bag& bag, const StereoTopics& topics, const Policy& policy,
                const StereoBagReader::Listener& listener) {
   PairBuilder<Policy> builder(bag, policy, listener.on_pair);
-  const std::vector<std::string> wanted{topics.left, topics.left_info, topics.right, topics.right_info, topics.range};
+  const std::vector<std::string> wanted{topics.left,       topics.left_info, topics.right,
+                                        topics.right_info, topics.range,     topics.imu};
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(wanted))) {
     if (message.getTopic() == topics.range) {
       listener.on_range(read<sensor_msgs::Range>(bag, message));
+    } else if (message.getTopic() == topics.imu) {
+      listener.on_imu(read<sensor_msgs::Imu>(bag, message));
     } else {
       builder.add(topics, message);
     }
@@ -199,6 +202,15 @@ void StereoBagWriter::writeRange(const ros::Time& stamp, const RangeReading& rea
   bag_.write(topics_.range, stamp, message);
 }
 
+void StereoBagWriter::writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2) {
+  sensor_msgs::Imu message;
+  message.header.stamp = stamp;
+  message.header.frame_id = kBodyFrame;
+  message.orientation_covariance[0] = message.angular_velocity_covariance[0] = -1.0;  // the message's way to say "none"
+  tf2::toMsg(specific_force_B_mps2, message.linear_acceleration);
+  bag_.write(topics_.imu, stamp, message);
+}
+
 StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& topics) : path_(path), topics_(topics) {
   requireBag(path);
   try {
@@ -212,8 +224,11 @@ StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& to
   requireTopic(topics.right, image);
   requireTopic(topics.right_info, info);
   if (hasRanges()) requireRanges();
+  if (has(topics.imu)) requireImu();
   readTransforms();
 }
+
+bool StereoBagReader::has(const std::string& topic) const { return typesByTopic(bag_).count(topic) > 0; }
 
 void StereoBagReader::requireTopic(const std::string& topic, const std::string& type) const {
   const std::map<std::string, std::string> types = typesByTopic(bag_);
@@ -243,10 +258,14 @@ double StereoBagReader::rate() const {
   return 1e9 * static_cast<double>(view.size() - 1) / static_cast<double>(duration_ns);
 }
 
-bool StereoBagReader::hasRanges() const { return typesByTopic(bag_).count(topics_.range) > 0; }
+bool StereoBagReader::hasRanges() const { return has(topics_.range); }
 
 void StereoBagReader::requireRanges() const {
   requireTopic(topics_.range, ros::message_traits::datatype<sensor_msgs::Range>());
+}
+
+void StereoBagReader::requireImu() const {
+  requireTopic(topics_.imu, ros::message_traits::datatype<sensor_msgs::Imu>());
 }
 
 void StereoBagReader::play(const flight_corridor_ros::RosConfig& pairing, const Listener& listener) const {

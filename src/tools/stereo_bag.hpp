@@ -2,6 +2,7 @@
 
 #include <rosbag/bag.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
 #include <Eigen/Geometry>
@@ -25,6 +26,7 @@ struct StereoTopics {
   std::string right = "/stereo/right/image_rect";
   std::string right_info = "/stereo/right/camera_info";
   std::string range = "/range";
+  std::string imu = "/imu";
 };
 
 /// A rig as its bag announces it. Frames: odom -> base_link (/tf), base_link -> stereo_left_optical, range_link
@@ -35,8 +37,8 @@ struct BagRig {
   Eigen::Isometry3d T_B_L = Eigen::Isometry3d::Identity();
 };
 
-/// Writes a flight as a bag: messages are recorded at their own stamps, images 1 ms later, so that ranges and poses of
-/// the same stamp come before them. Write in any order, close() last.
+/// Writes a flight as a bag: messages are recorded at their own stamps, images 1 ms later, so that readings and poses
+/// of the same stamp come before them. Write in any order, close() last.
 class StereoBagWriter {
  public:
   /// @throws std::runtime_error naming the file when it cannot be written, as all the others.
@@ -46,6 +48,9 @@ class StereoBagWriter {
   /// @param left, right CV_8UC1 or CV_8UC3 (BGR).
   void writePair(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right);
   void writeRange(const ros::Time& stamp, const RangeReading& reading);
+  /// Orientation and angular velocity are left out.
+  /// @param specific_force_B_mps2 acceleration less gravity's, in base_link: (0, 0, 9.8) at rest.
+  void writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2);
   void close() { bag_.finish(); }
 
  private:
@@ -75,17 +80,21 @@ class StereoBagReader {
   bool hasRanges() const;
   /// @throws std::runtime_error like the constructor when there are none.
   void requireRanges() const;
+  /// @throws std::runtime_error like the constructor when there is none: it may be missing.
+  void requireImu() const;
 
   struct Listener {
     std::function<void(const StereoMessages& messages)> on_pair;
     std::function<void(const sensor_msgs::RangeConstPtr& range)> on_range;
+    std::function<void(const sensor_msgs::ImuConstPtr& imu)> on_imu;
   };
-  /// Hands out pairs and ranges in the order of recording.
+  /// Hands out pairs, ranges and imu readings in the order of recording.
   /// @param pairing approximate_sync, sync_slop_s and sync_queue: how the messages of a pair find each other.
   /// @throws std::runtime_error naming file and topic of a message that is damaged or of another type.
   void play(const flight_corridor_ros::RosConfig& pairing, const Listener& listener) const;
 
  private:
+  bool has(const std::string& topic) const;
   void requireTopic(const std::string& topic, const std::string& type) const;
   void readTransforms();
 

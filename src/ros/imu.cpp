@@ -1,0 +1,66 @@
+#include "ros/imu.hpp"
+
+#include <ros/console.h>
+
+namespace flight_corridor_ros {
+
+namespace {
+
+const Eigen::Vector3d kGravity_W_mps2(0.0, 0.0, -9.80665);  // standard gravity
+constexpr double kLargestForce_mps2 = 300.0;                // an imu of +-16 g on each axis ends below
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> toAcceleration(const sensor_msgs::Imu& message, const Eigen::Matrix3d& R_I_W) {
+  const auto& force = message.linear_acceleration;
+  const Eigen::Vector3d force_I(force.x, force.y, force.z);
+  const bool is_given = message.linear_acceleration_covariance[0] != -1.0;
+  if (!(is_given && force_I.norm() <= kLargestForce_mps2)) return std::nullopt;
+  return force_I + R_I_W * kGravity_W_mps2;
+}
+
+std::optional<Eigen::Vector3d> Accelerometer::read(const sensor_msgs::Imu& message, const std::string& camera_frame) {
+  mount(camera_frame, message.header.frame_id);
+  if (!R_C_I_) return std::nullopt;
+  const auto R_I_W = attitude(message.header);
+  if (!R_I_W) return std::nullopt;
+  const auto acceleration_I = toAcceleration(message, *R_I_W);
+  if (acceleration_I) return *R_C_I_ * *acceleration_I;
+  if (warning_.due()) {
+    ROS_WARN(
+        "imu \"%s\" gives no acceleration (NaN, above %.0f m/s^2, or covariance -1), so it is not used: see that its "
+        "driver fills in linear_acceleration",
+        imu_frame_.c_str(), kLargestForce_mps2);
+  }
+  return std::nullopt;
+}
+
+/// Looks up how the imu is turned against the camera, where that is not known yet.
+void Accelerometer::mount(const std::string& camera_frame, const std::string& imu_frame) {
+  if (camera_frame != camera_frame_ || imu_frame != imu_frame_) R_C_I_ = std::nullopt;
+  camera_frame_ = camera_frame;
+  imu_frame_ = imu_frame;
+  if (R_C_I_) return;
+  if (const auto T_C_I = transforms_.find(camera_frame, imu_frame, ros::Time(0))) {
+    R_C_I_ = T_C_I->linear();
+  } else if (warning_.due()) {
+    ROS_WARN(
+        "tf knows no pose of imu \"%s\" in \"%s\", so it is not used: publish it, e.g. with tf2_ros "
+        "static_transform_publisher",
+        imu_frame.c_str(), camera_frame.c_str());
+  }
+}
+
+/// R_I_W at a reading's stamp: never waits for it.
+std::optional<Eigen::Matrix3d> Accelerometer::attitude(const std_msgs::Header& header) {
+  if (const auto T_I_W = transforms_.find(header.frame_id, gravity_frame_, header.stamp)) return T_I_W->linear();
+  if (warning_.due()) {
+    ROS_WARN(
+        "tf gave no attitude of imu \"%s\" in \"%s\" (ros/gravity_frame) at %.3f in time, so this reading is not used: "
+        "publish it, or set ros/gravity_frame to a fixed frame, z up, that tf has",
+        header.frame_id.c_str(), gravity_frame_.c_str(), header.stamp.toSec());
+  }
+  return std::nullopt;
+}
+
+}  // namespace flight_corridor_ros
