@@ -200,7 +200,7 @@ void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const 
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);
   const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;
-  const double measured_sigma_px = std::hypot(config_.fusion.disparity_sigma_px, stereo.disparity_sigma_px);
+  const double measured_sigma_px = std::hypot(config_.scale.disparity_sigma_px, stereo.disparity_sigma_px);
   scale_.update(stamp_s, stereo.disparity_px, expected_px, std::hypot(expected_sigma_px, measured_sigma_px));
 }
 

@@ -17,6 +17,7 @@ Violations check(const ScaleConfig& config) {
                 config.max_correction);
   rules.require(config.prior_sigma > 0.0, "prior_sigma", "positive", config.prior_sigma);
   rules.require(config.offset_prior_sigma_px > 0.0, "offset_prior_sigma_px", "positive", config.offset_prior_sigma_px);
+  rules.require(config.disparity_sigma_px > 0.0, "disparity_sigma_px", "positive", config.disparity_sigma_px);
   rules.require(config.drift_sigma_per_sqrt_s >= 0.0, "drift_sigma_per_sqrt_s", "not negative",
                 config.drift_sigma_per_sqrt_s);
   rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);

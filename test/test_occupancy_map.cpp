@@ -13,6 +13,13 @@ namespace {
 using test_support::wallDepth;
 const StereoGeometry kGeometry(test_support::smallCalibration());
 
+/// Depths as they are, for what is exact.
+MapConfig withoutHitBand() {
+  MapConfig config;
+  config.hit_band_px = 0.0;
+  return config;
+}
+
 enum class Cell { Unknown, Free, Occupied };
 
 Cell cellAt(const OccupancyMap& map, const Eigen::Vector3d& p_M) {
@@ -21,8 +28,17 @@ Cell cellAt(const OccupancyMap& map, const Eigen::Vector3d& p_M) {
   return map.tree().isNodeOccupied(node) ? Cell::Occupied : Cell::Free;
 }
 
-TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
+TEST(OccupancyMap, SurfacesAreTakenToBeNearerByTheHitBand) {
   OccupancyMap map(MapConfig(), kGeometry);
+  const double depth_m = 4.02;
+  ASSERT_LT(kGeometry.shiftedDepth(depth_m, MapConfig().hit_band_px), 4.0);
+  map.insert(wallDepth(kGeometry.size(), depth_m), Eigen::Isometry3d::Identity());
+  EXPECT_EQ(cellAt(map, {0.0, 0.3, 3.95}), Cell::Occupied);
+  EXPECT_EQ(cellAt(map, {0.0, 0.3, depth_m}), Cell::Unknown);
+}
+
+TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
+  OccupancyMap map(withoutHitBand(), kGeometry);
   map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
   for (const double x : {-2.0, 0.0, 1.5}) {
     EXPECT_EQ(cellAt(map, {x, 0.3, 4.05}), Cell::Occupied) << x;
@@ -122,7 +138,7 @@ TEST(OccupancyMap, AgreesWithRaysCastOneByOne) {
     Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
     T_M_C.translation() = 3.0 * Eigen::Vector3d(unit(random), unit(random), unit(random));
     T_M_C.rotate(Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized());
-    OccupancyMap map(MapConfig(), kGeometry);
+    OccupancyMap map(withoutHitBand(), kGeometry);
     map.insert(depth, T_M_C);
     octomap::OcTree oracle(MapConfig().resolution_m);
     castRays(depth, T_M_C, oracle);

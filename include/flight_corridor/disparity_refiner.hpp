@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -17,11 +18,14 @@ class DisparityRefiner {
   void refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
 
  private:
-  void registerImages(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
-  void smooth(const cv::Mat& in, cv::Mat& out, cv::Point step);
+  struct Band {  // scratch for a run of rows, which one thread works on
+    std::vector<float> products, rows, sums;
+  };
+  void registerRows(const cv::Mat& left, const cv::Mat& right, const cv::Mat& disparity_px, cv::Range rows, Band& band);
+  static void smooth(const cv::Mat& in, cv::Mat& out, cv::Point step, cv::Range rows, Band& band);
 
-  cv::Mat gradient_, products_, sums_, smoothed_;  // scratch
-  std::vector<float> sum_px_, count_;
+  std::array<Band, 8> bands_;
+  cv::Mat registered_, smoothed_;
 };
 
 }  // namespace flight_corridor

@@ -8,9 +8,11 @@ namespace flight_corridor {
 
 struct ScaleConfig {
   bool enabled = true;
-  double max_correction = 0.15;           ///< Largest relative change of a depth.
-  double prior_sigma = 0.07;              ///< How wrong the calibration's scale is expected to be.
-  double offset_prior_sigma_px = 0.5;     ///< How wrong its disparity offset is expected to be.
+  double max_correction = 0.15;        ///< Largest relative change of a depth.
+  double prior_sigma = 0.07;           ///< How wrong the calibration's scale is expected to be.
+  double offset_prior_sigma_px = 0.5;  ///< How wrong its disparity offset is expected to be.
+  double disparity_sigma_px = 0.3;  ///< Of a learnt pair: more than a reading's noise, since a match's sub-pixel bias
+                                    ///< repeats from frame to frame.
   double drift_sigma_per_sqrt_s = 0.002;  ///< Slow forgetting of the scale.
   double gate_sigma = 3.0;                ///< Pairs further from the model are not learnt from.
 };

@@ -54,6 +54,7 @@ Fields bind(flight_corridor::ScaleConfig& c) {
           {"max_correction", &c.max_correction},
           {"prior_sigma", &c.prior_sigma},
           {"offset_prior_sigma_px", &c.offset_prior_sigma_px},
+          {"disparity_sigma_px", &c.disparity_sigma_px},
           {"drift_sigma_per_sqrt_s", &c.drift_sigma_per_sqrt_s},
           {"gate_sigma", &c.gate_sigma}};
 }

@@ -86,7 +86,7 @@ class StereoBagReader {
   struct Listener {
     std::function<void(const StereoMessages& messages)> on_pair;
     std::function<void(const sensor_msgs::RangeConstPtr& range)> on_range;
-    std::function<void(const sensor_msgs::ImuConstPtr& imu)> on_imu;
+    std::function<void(const sensor_msgs::ImuConstPtr& imu)> on_imu = [](const auto&) {};
   };
   /// Hands out pairs, ranges and imu readings in the order of recording.
   /// @param pairing approximate_sync, sync_slop_s and sync_queue: how the messages of a pair find each other.
