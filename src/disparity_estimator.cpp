@@ -74,8 +74,11 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
       level_matcher_(min_disparity_px_, config.num_disparities_px) {
   throwIfBroken(check(config));
   if (geometry.size().width <= config.num_disparities_px) {
-    throw std::invalid_argument("stereo/num_disparities_px: below the image's width");
+    throw std::invalid_argument("stereo/num_disparities_px: below the image's width (" +
+                                std::to_string(config.num_disparities_px) + ", " +
+                                std::to_string(geometry.size().width) + ")");
   }
+  if (geometry.size().height < 2) throw std::invalid_argument("images must be 2 or more pixels high");
   matcher_ = makeMatcher(config, min_disparity_px_, config.num_disparities_px);
   matcher_->setUniquenessRatio(config.uniqueness_percent);
   matcher_->setDisp12MaxDiff(config.left_right_max_px);

@@ -12,6 +12,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr int kTooManyRepetitions = 3;     // of a LiDAR's reading to the last bit: noise hardly allows that
+constexpr double kClockSetBack_s = 5.0;    // no reading is so late
 constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 
@@ -86,7 +87,9 @@ Outcome Pipeline::addRange(const RangeReading& reading) {
   }
   counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
   counters_.lidar_gated += outcome == Outcome::Gated;
-  if (!lidar_ || reading.stamp_s >= lidar_->reading.stamp_s) {
+  const double later_s = lidar_ ? reading.stamp_s - lidar_->reading.stamp_s : 0.0;
+  const bool set_back = later_s < -kClockSetBack_s;
+  if (std::isfinite(reading.stamp_s) && (later_s >= 0.0 || set_back)) {
     const bool repeats = lidar_ && reading.range_m == lidar_->reading.range_m;
     lidar_ = LidarMemory{reading, outcome, repeats ? lidar_->repetitions + 1 : 0};
   }
@@ -201,7 +204,7 @@ void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const 
   const double expected_px = geometry_.disparity(depth_m);
   const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;
   const double measured_sigma_px = std::hypot(config_.scale.disparity_sigma_px, stereo.disparity_sigma_px);
-  scale_.update(stamp_s, stereo.disparity_px, expected_px, std::hypot(expected_sigma_px, measured_sigma_px));
+  scale_.update(stamp_s, stereo.disparity_px, expected_px, measured_sigma_px, expected_sigma_px);
 }
 
 /// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.

@@ -10,6 +10,7 @@ namespace {
 constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
+constexpr double kClockSetBack_s = 5.0;  // nothing is so late: the clock was set back, or the newest stamp was wrong
 constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
 
 double squared(double value) { return value * value; }
@@ -56,6 +57,8 @@ Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
 
 /// Puts a reading where its stamp belongs and takes all later ones again.
 Outcome RangeFusion::insert(const Reading& reading) {
+  const bool set_back = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - kClockSetBack_s;
+  if (set_back) reset();
   const bool too_late = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s;
   if (too_late || reading.stamp_s < before_.stamp_s) return Outcome::TooLate;
   if (steps_.size() == kCapacity) forgetOldest();
@@ -129,7 +132,8 @@ void RangeFusion::initialise(Filter& filter, const Reading& reading) {
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
   if (reading.kind != Kind::Acceleration) {
     watchRepetition(filter.repetition, reading);
-    return reading.kind == Kind::Lidar && filter.repetition.isFrozen() ? Outcome::Gated : correct(filter, reading);
+    const bool refused = reading.kind == Kind::Lidar && filter.repetition.isFrozen() && !isBefore(reading, filter);
+    return refused ? Outcome::Gated : correct(filter, reading);
   }
   if (filter.initialised()) filter = predicted(filter, reading.stamp_s);
   filter.acceleration_s = reading.stamp_s;
@@ -149,6 +153,13 @@ void RangeFusion::watchRepetition(Repetition& repetition, const Reading& reading
         differ(repetition.stereo_m, repetition.stereo_variance_m2, reading.value, reading.variance_m2);
     if (!repetition.isFrozen()) repetition.moved = elsewhere ? repetition.moved + 1 : 0;
   }
+}
+
+/// Whether a LiDAR that repeats itself met something nearer than stereo from the start: glass before a moving scene.
+bool RangeFusion::isBefore(const Reading& lidar, const Filter& filter) const {
+  const Repetition& repetition = filter.repetition;
+  return lidar.value < repetition.stereo_m &&
+         differ(lidar.value, lidar.variance_m2, repetition.stereo_m, repetition.stereo_variance_m2);
 }
 
 /// One range: predict, gate by its normalised innovation, correct (Trejo 2019, eqs. 5-9, C = [1 0]).

@@ -7,7 +7,9 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kLearntFrom = 2.0;  // times what is applied: far away, an offset is a larger share of the disparity
+// Far away an offset is a larger share of the disparity, so more is learnt from than is applied: only where it brings
+// the world nearer, which is the safe side.
+constexpr double kLearntInwards = 2.0;
 
 }  // namespace
 
@@ -36,15 +38,21 @@ void ScaleCorrection::reset() {
       Eigen::Vector2d(std::pow(config_.prior_sigma, 2), std::pow(config_.offset_prior_sigma_px, 2)).asDiagonal();
 }
 
-/// Measurement h = [d, 1], innovation y = d_expected - h [a b]^T, Kalman update with a slow random walk of a.
-bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double sigma_px) {
+/// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update with a slow random walk of a. d in h is
+/// the likeliest true disparity, of which both readings tell: with the measured one its noise would, at one range, pull
+/// a towards 0 without end (errors in variables; Fuller 1987, ch. 1).
+bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
+                             double expected_sigma_px) {
+  const double sigma_px = std::hypot(measured_sigma_px, expected_sigma_px);
   const bool usable = config_.enabled && measured_px > 0.0 && expected_px > 0.0 && sigma_px > 0.0 &&
                       std::isfinite(measured_px + expected_px + sigma_px);
   if (!usable) return false;
-  if (!(std::abs(measured_px / expected_px - 1.0) <= kLearntFrom * config_.max_correction)) return false;
+  const double stretch = measured_px / expected_px - 1.0;
+  if (!(-kLearntInwards * config_.max_correction <= stretch && stretch <= config_.max_correction)) return false;
 
-  const Eigen::Vector2d h(measured_px, 1.0);
-  const double innovation = expected_px - h.dot(mean_);
+  const double share = std::pow(expected_sigma_px / sigma_px, 2);
+  const Eigen::Vector2d h(share * measured_px + (1.0 - share) * (expected_px - mean_[1]) / mean_[0], 1.0);
+  const double innovation = expected_px - (mean_[0] * measured_px + mean_[1]);
   const double variance = h.dot(covariance_ * h) + sigma_px * sigma_px;
   if (!(innovation * innovation <= config_.gate_sigma * config_.gate_sigma * variance)) return false;
 

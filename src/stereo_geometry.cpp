@@ -27,6 +27,9 @@ std::string faultsOf(const StereoCalibration& calibration) {
   requireFinite(calibration.cx_px, "cx", faults);
   requireFinite(calibration.cy_px, "cy", faults);
   requireFinite(calibration.cx_right_px, "right cx", faults);
+  if (!(std::abs(calibration.cx_px - calibration.cx_right_px) < calibration.size_px.width)) {
+    faults += " the principal points must differ by less than the width;";
+  }
   return faults;
 }
 

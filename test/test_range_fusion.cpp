@@ -217,6 +217,25 @@ TEST(RangeFusion, ALidarThatRepeatsItselfWhileNothingMovesIsNot) {
   }
 }
 
+TEST(RangeFusion, ALidarThatRepeatsItselfOnGlassStillRules) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 300; ++i) {  // at rest before a pane at 2 m; what moves behind it is all that stereo sees
+    const double stamp = 0.01 * i;
+    fusion.add(Sensor::Lidar, stamp, 2.0, kLidarVariance_m2);
+    if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, 6.0 + std::sin(3.0 * stamp), kStereoVariance_m2);
+    if (i > 100) {
+      ASSERT_NEAR(fusion.at(stamp).range_m, 2.0, 0.1) << i;
+    }
+  }
+}
+
+TEST(RangeFusion, AStampFromTheFutureIsNotTheEnd) {
+  RangeFusion fusion((FusionConfig()));
+  fusion.add(Sensor::Lidar, 3600.0, 5.0, kLidarVariance_m2);
+  for (int i = 0; i < 10; ++i) fusion.add(Sensor::Lidar, 1.0 + 0.01 * i, 5.0, kLidarVariance_m2);
+  EXPECT_NEAR(fusion.at(1.1).range_m, 5.0, 0.1);
+}
+
 TEST(RangeFusion, AnHourOfReadingsChangesNothingOfTheirFusion) {
   RangeFusion flown((FusionConfig())), fresh((FusionConfig()));
   for (int i = 0; i < 360000; ++i) {

@@ -18,7 +18,7 @@ void teach(ScaleCorrection& scale, double a, double b_px, double from_m, double 
   std::normal_distribution<double> noise(0.0, 0.2);
   for (int i = 0; i < frames; ++i) {
     const double true_px = kGeometry.disparity(from_m + (to_m - from_m) * i / frames);
-    scale.update(i / 30.0, (true_px - b_px) / a + noise(random), true_px, 0.2);
+    scale.update(i / 30.0, (true_px - b_px) / a + noise(random), true_px, 0.2, 0.0);
   }
 }
 
@@ -51,7 +51,7 @@ TEST(ScaleCorrection, OneReadingMovesItNoFurtherThanTheBound) {
   ScaleConfig config;
   config.prior_sigma = 1.0;
   ScaleCorrection scale(config);
-  scale.update(0.0, 10.0, 8.7, 0.01);
+  scale.update(0.0, 10.0, 8.7, 0.01, 0.0);
   for (double disparity = 0.1; disparity < 128; disparity *= 1.5) {
     EXPECT_LE(scale.scale(disparity), 1.0 + config.max_correction + 1e-12);
     EXPECT_GE(scale.scale(disparity), 1.0 - config.max_correction - 1e-12);
@@ -60,18 +60,37 @@ TEST(ScaleCorrection, OneReadingMovesItNoFurtherThanTheBound) {
 
 TEST(ScaleCorrection, AnAbsurdPairTeachesNothing) {
   ScaleCorrection scale((ScaleConfig()));
-  EXPECT_FALSE(scale.update(0.0, kGeometry.disparity(3.0), kGeometry.disparity(12.0), 0.3));  // stuck LiDAR, + 9 m
-  EXPECT_FALSE(scale.update(0.0, kNaN, 10.0, 0.3));
-  EXPECT_FALSE(scale.update(0.0, 10.0, kInfinity, 0.3));
-  EXPECT_FALSE(scale.update(0.0, 10.0, 10.0, 0.0));
+  EXPECT_FALSE(scale.update(0.0, kGeometry.disparity(3.0), kGeometry.disparity(12.0), 0.3, 0.0));  // stuck LiDAR, + 9 m
+  EXPECT_FALSE(scale.update(0.0, kNaN, 10.0, 0.3, 0.0));
+  EXPECT_FALSE(scale.update(0.0, 10.0, kInfinity, 0.3, 0.0));
+  EXPECT_FALSE(scale.update(0.0, 10.0, 10.0, 0.0, 0.0));
   EXPECT_DOUBLE_EQ(scale.correct(10.0), 10.0);
+}
+
+TEST(ScaleCorrection, AHoverTeachesNothingOfOtherRanges) {
+  // Two minutes before one surface, faultless: noise alone must not move what is nearer outwards by over 2 %.
+  for (const double hover_m : {5.0, 8.0, 12.0}) {
+    ScaleCorrection scale((ScaleConfig()));
+    std::mt19937 random(9);
+    std::normal_distribution<double> noise(0.0, 0.1);
+    const double true_px = kGeometry.disparity(hover_m);
+    for (int i = 0; i < 3600; ++i) scale.update(i / 30.0, true_px + noise(random), true_px, 0.3, 0.02);
+    EXPECT_LT(scale.scale(kGeometry.disparity(4.0)), 1.02) << hover_m;
+    EXPECT_GT(scale.scale(kGeometry.disparity(4.0)), 0.95) << hover_m;
+  }
+}
+
+TEST(ScaleCorrection, LearnsFurtherInwardsThanOutwards) {
+  ScaleCorrection inwards((ScaleConfig())), outwards((ScaleConfig()));
+  EXPECT_TRUE(inwards.update(0.0, 5.0, 6.0, 0.3, 0.0));
+  EXPECT_FALSE(outwards.update(0.0, 6.0, 5.0, 0.3, 0.0));
 }
 
 TEST(ScaleCorrection, ASpikeAfterConvergenceIsGated) {
   ScaleCorrection scale((ScaleConfig()));
   teach(scale, 1.03, 0.0, 6.0, 2.0, 60);
-  EXPECT_FALSE(scale.update(2.1, 20.0, 1.03 * 20.0 * 1.1, 0.2));
-  EXPECT_TRUE(scale.update(2.1, 20.0, 1.03 * 20.0, 0.2));
+  EXPECT_FALSE(scale.update(2.1, 20.0, 1.03 * 20.0 * 1.1, 0.2, 0.0));
+  EXPECT_TRUE(scale.update(2.1, 20.0, 1.03 * 20.0, 0.2, 0.0));
 }
 
 TEST(ScaleCorrection, EvidenceShrinksItsSigmaAndTimeWidensItAgain) {
@@ -80,7 +99,7 @@ TEST(ScaleCorrection, EvidenceShrinksItsSigmaAndTimeWidensItAgain) {
   teach(scale, 1.0, 0.0, 6.0, 2.0, 60);
   const double learnt = scale.sigma(20.0);
   EXPECT_LT(learnt, 0.2 * before);
-  scale.update(100.0, 20.0, 20.0, 100.0);  // a pair that says nothing, long after
+  scale.update(100.0, 20.0, 20.0, 100.0, 0.0);  // a pair that says nothing, long after
   EXPECT_GT(scale.sigma(20.0), learnt);
 }
 

@@ -99,6 +99,7 @@ class RangeFusion {
   Outcome update(Filter& filter, const Reading& reading) const;
   Outcome correct(Filter& filter, const Reading& reading) const;
   void watchRepetition(Repetition& repetition, const Reading& reading) const;
+  bool isBefore(const Reading& lidar, const Filter& filter) const;
   void remember(SensorTrack& track, const Reading& reading) const;
   bool bothJumped(const Filter& filter, const Reading& reading) const;
   bool rulesAlone(const Filter& filter, const Reading& reading) const;

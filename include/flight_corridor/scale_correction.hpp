@@ -13,8 +13,8 @@ struct ScaleConfig {
   double offset_prior_sigma_px = 0.5;  ///< How wrong its disparity offset is expected to be.
   double disparity_sigma_px = 0.3;  ///< Of a learnt pair: more than a reading's noise, since a match's sub-pixel bias
                                     ///< repeats from frame to frame.
-  double drift_sigma_per_sqrt_s = 0.002;  ///< Slow forgetting of the scale.
-  double gate_sigma = 3.0;                ///< Pairs further from the model are not learnt from.
+  double drift_sigma_per_sqrt_s = 0.0005;  ///< Slow forgetting of the scale.
+  double gate_sigma = 3.0;                 ///< Pairs further from the model are not learnt from.
 };
 Violations check(const ScaleConfig& config);
 
@@ -26,10 +26,10 @@ class ScaleCorrection {
   /// @throws std::invalid_argument with every broken rule.
   explicit ScaleCorrection(const ScaleConfig& config);
 
-  /// One pair of what stereo measured and what it should have measured.
-  /// @param measured_px, expected_px, sigma_px  [px]; sigma of their difference.
+  /// One pair of what stereo measured and what it should have measured [px], each with its own error's sigma.
   /// @return whether the pair passed the gate.
-  bool update(double stamp_s, double measured_px, double expected_px, double sigma_px);
+  bool update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
+              double expected_sigma_px);
 
   /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
   double correct(double disparity_px) const;

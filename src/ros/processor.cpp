@@ -13,6 +13,8 @@ namespace {
 constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
 
+constexpr double kLongestDelay_s = 1.0;  // a pair further back than this means that time was set back
+
 }  // namespace
 
 flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
@@ -24,8 +26,10 @@ flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
 
 const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   const std_msgs::Header& header = pair.left->header;
-  forgetWhenTimeJumpsBack(header.stamp);
   has_products_ = false;
+  forgetWhenTimeJumpsBack(header.stamp);
+  if (header.stamp < newest_stamp_) return report_ = refusal(header.stamp, flight_corridor::kNoData);
+  newest_stamp_ = header.stamp;
   const auto lidar = inbox_.newestRange();
   if (const std::uint32_t reasons = rig_.fit(pair, lidar ? lidar->header.frame_id : "")) {
     return report_ = refusal(header.stamp, reasons);
@@ -39,8 +43,10 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
 }
 
 void Processor::forgetWhenTimeJumpsBack(const ros::Time& stamp) {
-  if (stamp < newest_stamp_ && rig_) {
-    ROS_INFO("time jumped back by %.3f s: starting anew", newest_stamp_.toSec() - stamp.toSec());
+  const double back_s = newest_stamp_.toSec() - stamp.toSec();
+  if (back_s <= kLongestDelay_s) return;
+  if (rig_) {
+    ROS_INFO("time jumped back by %.3f s: starting anew", back_s);
     rig_->reset();
   }
   newest_stamp_ = stamp;

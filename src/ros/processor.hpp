@@ -27,7 +27,8 @@ class Processor {
         rig_(config.core, transforms),
         accelerometer_(config.ros.gravity_frame, transforms) {}
 
-  /// The verdict for one pair; a stamp before the last pair's starts everything anew.
+  /// The verdict for one pair; a stamp more than a second before the newest pair's starts everything anew, a smaller
+  /// step back is refused.
   const flight_corridor::Report& process(const StereoMessages& pair);
 
   /// Holds the last pair's products; null when that pair was refused and has none.
