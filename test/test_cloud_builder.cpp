@@ -13,7 +13,7 @@ const StereoGeometry kGeometry(test_support::smallCalibration());
 
 TEST(CloudBuilder, DepthIsOfTheCorrectedDisparityAndTheFillStandsOnlyWhereNothingMatched) {
   ScaleCorrection scale((ScaleConfig()));
-  for (int i = 0; i < 50; ++i) scale.update(i, 10.0, 10.5, 0.05);
+  for (int i = 0; i < 50; ++i) scale.update(i, 10.0, 10.5, 0.05, 0.0);
   Disparity disparity;
   disparity.matched_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(10.0));
   disparity.filtered_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(20.0));

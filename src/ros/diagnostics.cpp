@@ -27,8 +27,13 @@ void Diagnostics::record(const flight_corridor::Report& report, const flight_cor
 
 void Diagnostics::describe(DiagnosticStatusWrapper& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const flight_corridor::Verdict& verdict = report_.verdict;
   const bool answers = verdicts_ > described_verdicts_;
+  if (!answers) {  // what was is no more
+    report_ = flight_corridor::Report();
+    report_.verdict.reasons = flight_corridor::kNoData;
+    age_s_ = flight_corridor::kNaN;
+  }
+  const flight_corridor::Verdict& verdict = report_.verdict;
   const bool knows = verdict.state != flight_corridor::State::Unknown;
   status.summary(!answers ? DiagnosticStatus::ERROR
                  : knows  ? DiagnosticStatus::OK
