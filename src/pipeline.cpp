@@ -244,7 +244,10 @@ void Pipeline::decide() {
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
+  // The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
+  const bool cloud_too_far = report_.range.disagreement && std::isfinite(report_.range_lidar_m);
   const bool hidden =
+      cloud_too_far ||
       (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 

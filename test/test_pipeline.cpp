@@ -73,6 +73,17 @@ TEST(Pipeline, ALidarStuckFarAwayCannotFreeABlockedCorridor) {
   }
 }
 
+TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  State last = State::Unknown;
+  for (int i = 0; i < 60; ++i) {  // a baseline that is announced far too long: 4.7 m are told as 7 m
+    const double stamp = 1.0 + 0.01 * i;
+    pipeline.addRange(reading(stamp, 4.7 + 0.001 * (i % 2)));
+    if (i % 10 == 9) last = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict.state;
+  }
+  EXPECT_EQ(last, State::Unknown);
+}
+
 TEST(Pipeline, ALidarThatRepeatsItselfTeachesNoScale) {
   for (const bool repeats : {true, false}) {
     Pipeline pipeline(Config(), kGeometry, rigWithLidar());

@@ -62,16 +62,17 @@ const char* toString(State state);
 
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
-  kOccupiedCell = 1u << 0,      ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,        ///< BLOCKED: the fused range ends inside the box.
-  kUnobserved = 1u << 2,        ///< UNKNOWN: too much of the observable box has not been seen.
-  kNoData = 1u << 3,            ///< UNKNOWN: no stereo pair, or the newest one is too old.
-  kNoPose = 1u << 4,            ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
-  kBadImage = 1u << 5,          ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  kBadCalibration = 1u << 6,    ///< UNKNOWN: impossible or missing CameraInfo.
-  kNoDisparity = 1u << 7,       ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
-  kDisagreement = 1u << 8,      ///< LiDAR and stereo disagree lastingly; the nearer one rules.
-  kNoLidar = 1u << 9,           ///< Information: no usable LiDAR reading; stereo alone answers.
+  kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
+  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box.
+  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen.
+  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
+  kNoPose = 1u << 4,          ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
+  kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
+  kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
+  kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
+  kDisagreement =
+      1u << 8,         ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the LiDAR.
+  kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading; stereo alone answers.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
   kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
