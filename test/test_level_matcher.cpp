@@ -60,6 +60,27 @@ TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
 }
 
+TEST(LevelMatcher, FindsItOnAllThreeRowsOfItsWindow) {
+  const Pair pair(0.08);
+  cv::Mat disparity_px = background(pair), three_rows;
+  cv::dilate(pair.is_branch, three_rows, cv::getStructuringElement(cv::MORPH_RECT, {1, 3}));
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  EXPECT_GT(cv::countNonZero((disparity_px > kBranch_px - 1.5) & three_rows), 0.5 * cv::countNonZero(three_rows));
+}
+
+TEST(LevelMatcher, TakesAFewPixelsThatAgreeForChance) {
+  const Pair pair(0.08);
+  const auto found = [&](int candidates) {  // in a strip that leaves the window so many places in a row
+    const cv::Range strip(100, 130 + candidates);
+    cv::Mat disparity_px(pair.left.rows, strip.size(), CV_32FC1, cv::Scalar(kBackground_px));
+    const cv::Mat before = disparity_px.clone();
+    LevelMatcher(-2, 16).match(pair.left.colRange(strip), pair.right.colRange(strip), disparity_px);
+    return cv::countNonZero(disparity_px != before);
+  };
+  EXPECT_EQ(found(11), 0);
+  EXPECT_GT(found(60), 50);
+}
+
 TEST(LevelMatcher, FindsItAlsoWhereNothingWasMatched) {
   const Pair pair(-0.08);
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(kNothing));

@@ -21,11 +21,12 @@ class LevelMatcher {
 
  private:
   void findLevelEdges(const cv::Mat& left);
-  void matchRun(int v, int first_u, int last_u, float* disparity_px);
+  void matchRun(int v, int first_u, int last_u, const float* matched_px);
   float best(const std::uint32_t* costs, float matched_px, std::uint32_t edge) const;
 
   int min_disparity_px_, num_disparities_px_;
   cv::Mat left_steps_, right_steps_, across_, along_, vertical_, horizontal_;
+  cv::Mat found_px_, nearest_px_;
   std::vector<std::uint16_t> column_;  // sums of a window's column, for one disparity
   std::vector<std::uint32_t> costs_;   // of a run of pixels: disparities of the first pixel, of the second, ...
 };
