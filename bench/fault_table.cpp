@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ struct Run {
   std::string fault;
   std::vector<RangeReading> ranges;
   std::size_t next_range = 0;
-  Pipeline pipeline;
+  std::unique_ptr<Pipeline> pipeline;
   std::vector<Report> reports;
 };
 
@@ -56,16 +57,17 @@ std::vector<Run> makeRuns(const sim::SimulationOptions& options, const Window& w
     const sim::Simulation simulation(faulty);
     Rig rig;
     rig.T_C_L = simulation.T_B_C().inverse() * simulation.T_B_L();
-    runs.push_back({fault, simulation.ranges(), 0, Pipeline({}, StereoGeometry(simulation.calibration()), rig), {}});
+    const StereoGeometry geometry(simulation.calibration());
+    runs.push_back({fault, simulation.ranges(), 0, std::make_unique<Pipeline>(Config(), geometry, rig), {}});
   }
   return runs;
 }
 
 void process(Run& run, const StereoFrame& frame) {
   for (; run.next_range < run.ranges.size() && run.ranges[run.next_range].stamp_s <= frame.stamp_s; ++run.next_range) {
-    run.pipeline.addRange(run.ranges[run.next_range]);
+    run.pipeline->addRange(run.ranges[run.next_range]);
   }
-  run.reports.push_back(run.pipeline.process(frame));
+  run.reports.push_back(run.pipeline->process(frame));
 }
 
 /// @param faultless the same flight without fault: its range is the truth, to the LiDAR's noise.

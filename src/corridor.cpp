@@ -1,82 +1,198 @@
 #include "flight_corridor/corridor.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace flight_corridor {
 
 namespace {
 
 constexpr double kTouch_m = 1e-6;       // cells that rounding parts from the box still touch it
-constexpr double kKeyOrigin = 32768.0;  // OctoMap's key of the coordinate 0
+constexpr double kRounding_m = 1e-9;    // centres that rounding puts outside of the plane that they lie on are inside
+constexpr double kLongest_m = 100.0;    // side of a box, as of the configured corridor
+constexpr double kLargest_cells = 1e6;  // on a box's surface: these are what counting costs, up to about 20 ms
 
-/// Depth-first over the cubes that meet the box, known to the octree or not, down to its cells.
-class Inspection {
+using Node = octomap::OcTreeNode;
+
+/// A cube of the octree's space and what the tree knows of it.
+struct Cube {
+  const Node* node;  // its own, that of a pruned cube around it, or null: unknown
+  Eigen::Vector3d centre_M;
+  unsigned depth;  // 0 = all of the tree's space
+};
+
+Cube root(const octomap::OcTree& tree) { return {tree.getRoot(), Eigen::Vector3d::Zero(), 0}; }
+
+/// Where an eighth of a cube lies, in half edges from the cube's centre: OctoMap's bits 0 to 2 are set in the upper
+/// halves along x, y, z.
+Eigen::Vector3d corner(unsigned child) {
+  return {child & 1u ? 1.0 : -1.0, child & 2u ? 1.0 : -1.0, child & 4u ? 1.0 : -1.0};
+}
+
+/// What the tree knows of an eighth of a cube.
+const Node* part(const octomap::OcTree& tree, const Node* node, unsigned child) {
+  if (!node || !tree.nodeHasChildren(node)) return node;
+  return tree.nodeChildExists(node, child) ? tree.getNodeChild(node, child) : nullptr;
+}
+
+Cube part(const octomap::OcTree& tree, const Cube& cube, unsigned child) {
+  const double half_edge_m = 0.5 * tree.getNodeSize(cube.depth + 1);
+  return {part(tree, cube.node, child), cube.centre_M + half_edge_m * corner(child), cube.depth + 1};
+}
+
+/// Depth-first search for the occupied cell in a box that is nearest along the box's axis.
+class NearestObstacle {
  public:
-  using Observable = std::function<bool(const Eigen::Vector3d&)>;
-
-  Inspection(const octomap::OcTree& tree, const Box& box, double blind_m, const Observable& observable)
-      : tree_(tree), box_(box), blind_m_(blind_m), observable_(observable), T_F_M_(box.T_M_F.inverse()) {}
-
-  CorridorOccupancy run() {
-    visit(tree_.getRoot(), octomap::OcTreeKey(0, 0, 0), 0);
-    CorridorOccupancy result;
-    result.clear_distance_m = clear_distance_m_;
-    result.unknown_fraction = observable_cells_ > 0 ? unknown_cells_ / static_cast<double>(observable_cells_) : 1.0;
-    return result;
+  NearestObstacle(const octomap::OcTree& tree, const Box& box)
+      : tree_(tree), box_(box), forward_M_(box.T_M_F.linear().col(0)) {
+    for (unsigned axis = 0; axis < 3; ++axis) nearest_child_ |= (forward_M_[axis] < 0.0 ? 1u : 0u) << axis;
+    visit(root(tree));
   }
+
+  double clearDistance() const { return clear_distance_m_; }
 
  private:
-  /// @param node what the tree knows of the cube: its own node, that of a pruned cube around it, or null.
-  void visit(const octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth) {
-    const double edge_m = tree_.getNodeSize(static_cast<int>(depth));
-    const double half_cells = 0.5 * (1u << (tree_.getTreeDepth() - depth));
-    Eigen::Vector3d centre_M;
-    for (unsigned axis = 0; axis < 3; ++axis)
-      centre_M[axis] = (key[axis] + half_cells - kKeyOrigin) * tree_.getResolution();
-    if (!intersects(box_, centre_M, edge_m)) return;
-    if (depth == tree_.getTreeDepth()) return judge(node, centre_M);
-
-    const bool inner = node && tree_.nodeHasChildren(node);
-    for (unsigned child = 0; child < 8; ++child) {
-      octomap::OcTreeKey part = key;
-      for (unsigned axis = 0; axis < 3; ++axis) {
-        if (child >> axis & 1u)
-          part[axis] = static_cast<octomap::key_type>(part[axis] + static_cast<unsigned>(half_cells));
-      }
-      const octomap::OcTreeNode* known = node;
-      if (inner) known = tree_.nodeChildExists(node, child) ? tree_.getNodeChild(node, child) : nullptr;
-      visit(known, part, depth + 1);
+  /// Inner nodes are as occupied as their most occupied leaf.
+  void visit(const Cube& cube) {
+    if (!cube.node || !tree_.isNodeOccupied(cube.node)) return;
+    const double edge_m = tree_.getNodeSize(cube.depth);
+    const double near_face_m =
+        forward_M_.dot(cube.centre_M - box_.T_M_F.translation()) - 0.5 * edge_m * forward_M_.lpNorm<1>();
+    // A cell that begins where the box ends is not in the way: its obstacle is farther than D_min.
+    if (near_face_m >= box_.size_m.x() - kTouch_m || std::max(0.0, near_face_m) >= clear_distance_m_) return;
+    if (!intersects(box_, cube.centre_M, edge_m)) return;
+    if (cube.depth == tree_.getTreeDepth()) {
+      clear_distance_m_ = std::max(0.0, near_face_m);
+      return;
     }
-  }
-
-  void judge(const octomap::OcTreeNode* node, const Eigen::Vector3d& centre_M) {
-    const Eigen::Vector3d centre_F = T_F_M_ * centre_M;
-    if (node && tree_.isNodeOccupied(node)) {
-      const double near_face_m = centre_F.x() - 0.5 * tree_.getResolution() * T_F_M_.linear().row(0).lpNorm<1>();
-      // A cell that begins where the box ends is not in the way: its obstacle is farther than D_min.
-      if (near_face_m < box_.size_m.x() - kTouch_m) {
-        clear_distance_m_ = std::min(clear_distance_m_, std::max(0.0, near_face_m));
-      }
-    }
-    const bool inside = centre_F.x() >= blind_m_ && centre_F.x() <= box_.size_m.x() &&
-                        2.0 * std::abs(centre_F.y()) <= box_.size_m.y() &&
-                        2.0 * std::abs(centre_F.z()) <= box_.size_m.z();
-    if (!inside || !observable_(centre_M)) return;
-    ++observable_cells_;
-    unknown_cells_ += !node;
+    for (unsigned child = 0; child < 8; ++child) visit(part(tree_, cube, child ^ nearest_child_));
   }
 
   const octomap::OcTree& tree_;
   const Box& box_;
-  double blind_m_;
-  const Observable& observable_;
-  Eigen::Isometry3d T_F_M_;
+  Eigen::Vector3d forward_M_;
+  unsigned nearest_child_ = 0;
   double clear_distance_m_ = kInfinity;
-  long observable_cells_ = 0;
-  long unknown_cells_ = 0;
 };
+
+/// Counts the cells centred in a convex region, cubes of them at once where all or none are.
+class CellCount {
+ public:
+  CellCount(const octomap::OcTree& tree, const ConvexRegion& region_M) : tree_(tree) {
+    for (Eigen::Index i = 0; i < region_M.cols(); ++i) planes_.emplace_back(region_M.col(i));
+    visit(root(tree), planes_.size());
+  }
+
+  double unknownFraction() const {
+    return cells_ > 0 ? static_cast<double>(unknown_cells_) / static_cast<double>(cells_) : 1.0;
+  }
+
+ private:
+  struct Plane {
+    explicit Plane(const Eigen::Vector4d& plane_M)
+        : normal_M(plane_M.head<3>()), offset_m(plane_M[3] + kRounding_m), spread(normal_M.lpNorm<1>()) {
+      for (unsigned child = 0; child < 8; ++child) step[child] = normal_M.dot(corner(child));
+    }
+
+    Eigen::Vector3d normal_M;  // inwards
+    double offset_m;
+    double spread;               // half edges that a cube reaches inwards from its centre
+    std::array<double, 8> step;  // half edges, its own, that each eighth lies farther inwards than its cube
+  };
+
+  /// Where the cells of a cube's eighths are centred. Bit sets; what is in neither is wholly inside.
+  struct Parts {
+    unsigned outside = 0, divided = 0;
+  };
+
+  /// @param undecided so many of the first planes may divide the cube's cells; the order among them is free.
+  void visit(const Cube& cube, std::size_t undecided) {
+    const Parts parts = judge(cube, undecided);
+    for (unsigned child = 0; child < 8; ++child) {
+      if (parts.outside >> child & 1u) continue;
+      if (parts.divided >> child & 1u) {
+        visit(part(tree_, cube, child), undecided);
+      } else {
+        count(part(tree_, cube.node, child), cube.depth + 1);
+      }
+    }
+  }
+
+  /// @param undecided less by the planes that all of the cube's cells are inside of.
+  Parts judge(const Cube& cube, std::size_t& undecided) {
+    const double half_edge_m = 0.5 * tree_.getNodeSize(cube.depth), half_cell_m = 0.5 * tree_.getResolution();
+    const double part_half_edge_m = 0.5 * half_edge_m;
+    Parts parts;
+    for (std::size_t i = 0; i < undecided;) {
+      const Plane& plane = planes_[i];
+      const double distance_m = plane.normal_M.dot(cube.centre_M) + plane.offset_m;
+      if (distance_m >= (half_edge_m - half_cell_m) * plane.spread) {
+        std::swap(planes_[i], planes_[--undecided]);
+        continue;
+      }
+      const double part_reach_m = (part_half_edge_m - half_cell_m) * plane.spread;
+      for (unsigned child = 0; child < 8; ++child) {
+        const double part_distance_m = distance_m + part_half_edge_m * plane.step[child];
+        parts.outside |= static_cast<unsigned>(!(part_distance_m >= -part_reach_m)) << child;
+        parts.divided |= static_cast<unsigned>(part_distance_m < part_reach_m) << child;
+      }
+      ++i;
+    }
+    return parts;
+  }
+
+  /// All cells of a cube.
+  void count(const Node* node, unsigned depth) {
+    if (node && tree_.nodeHasChildren(node)) {
+      for (unsigned child = 0; child < 8; ++child) count(part(tree_, node, child), depth + 1);
+      return;
+    }
+    const std::int64_t cells = std::int64_t{1} << 3 * (tree_.getTreeDepth() - depth);
+    cells_ += cells;
+    if (!node) unknown_cells_ += cells;
+  }
+
+  const octomap::OcTree& tree_;
+  std::vector<Plane> planes_;
+  std::int64_t cells_ = 0, unknown_cells_ = 0;
+};
+
+Eigen::Vector3d centre(const Box& box) { return box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0); }
+
+bool isWithin(const octomap::OcTree& tree, const Box& box) {
+  const Eigen::Vector3d reach_M = 0.5 * (box.T_M_F.linear().cwiseAbs() * box.size_m);
+  return ((centre(box).cwiseAbs() + reach_M).array() <= 0.5 * tree.getNodeSize(0)).all();
+}
+
+ConvexRegion inside(const Box& box) {
+  ConvexRegion region_M(4, 6);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d normal_M = box.T_M_F.linear().col(axis);
+    const double middle_m = normal_M.dot(centre(box)), half_m = 0.5 * box.size_m[axis];
+    region_M.col(2 * axis) << normal_M, half_m - middle_m;
+    region_M.col(2 * axis + 1) << -normal_M, half_m + middle_m;
+  }
+  return region_M;
+}
+
+/// What lies farther along the box's axis.
+ConvexRegion beyond(const Box& box, double distance_m) {
+  const Eigen::Vector3d forward_M = box.T_M_F.linear().col(0);
+  ConvexRegion region_M(4, 1);
+  region_M << forward_M, -forward_M.dot(box.T_M_F.translation()) - distance_m;
+  return region_M;
+}
+
+ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other) {
+  ConvexRegion both(4, one.cols() + other.cols());
+  both.leftCols(one.cols()) = one;
+  both.rightCols(other.cols()) = other;
+  return both;
+}
 
 }  // namespace
 
@@ -98,12 +214,28 @@ Violations check(const CorridorConfig& config) {
   return rules.broken();
 }
 
+Violations check(const Box& box, double cell_m) {
+  Rules rules("box");
+  const Eigen::Vector3d start_M = box.T_M_F.translation();
+  const char* const kSides[] = {"length_m", "width_m", "height_m"};
+  for (int axis = 0; axis < 3; ++axis) {
+    rules.require(std::isfinite(start_M[axis]), "position", "finite", start_M[axis]);
+    rules.require(0.0 < box.size_m[axis] && box.size_m[axis] <= kLongest_m, kSides[axis], "above 0, up to 100",
+                  box.size_m[axis]);
+  }
+  rules.require(box.T_M_F.linear().isUnitary(kTouch_m), "orientation", "a rotation", box.T_M_F.linear().determinant());
+  const Eigen::Vector3d others_m(box.size_m.y(), box.size_m.z(), box.size_m.x());
+  const double surface_m2 = 2.0 * box.size_m.dot(others_m);
+  const double surface_cells = surface_m2 / (cell_m * cell_m);
+  rules.require(surface_cells <= kLargest_cells, "surface", "up to 1000000 of the map's cells", surface_cells);
+  return rules.broken();
+}
+
 /// Projections of both bodies overlap on every candidate axis: 3 of the cube, 3 of the box, 9 cross products.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m) {
   const Eigen::Matrix3d& R = box.T_M_F.linear();
   const Eigen::Vector3d half = 0.5 * box.size_m;
-  const Eigen::Vector3d box_centre_M = box.T_M_F * Eigen::Vector3d(half.x(), 0.0, 0.0);
-  const Eigen::Vector3d between_M = cube_centre_M - box_centre_M;
+  const Eigen::Vector3d between_M = cube_centre_M - centre(box);
   const auto overlap = [&](const Eigen::Vector3d& axis_M) {
     const double cube_reach = 0.5 * cube_edge_m * axis_M.lpNorm<1>();
     const double box_reach = (R.transpose() * axis_M).cwiseAbs().dot(half);
@@ -120,6 +252,15 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
   return true;
 }
 
+CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M) {
+  CorridorOccupancy occupancy;
+  occupancy.clear_distance_m = NearestObstacle(tree, box).clearDistance();
+  if (isWithin(tree, box)) {
+    occupancy.unknown_fraction = CellCount(tree, intersection(inside(box), needed_M)).unknownFraction();
+  }
+  return occupancy;
+}
+
 Corridor::Corridor(const CorridorConfig& config) : config_(config) { throwIfBroken(check(config)); }
 
 Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
@@ -131,8 +272,8 @@ Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
 }
 
 CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box,
-                                    const std::function<bool(const Eigen::Vector3d&)>& observable) const {
-  return Inspection(tree, box, config_.blind_m, observable).run();
+                                    const ConvexRegion& observable_M) const {
+  return inspectBox(tree, box, intersection(observable_M, beyond(box, config_.blind_m)));
 }
 
 }  // namespace flight_corridor

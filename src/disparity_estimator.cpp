@@ -13,6 +13,9 @@ namespace {
 
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
 constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
+constexpr double kLargestGain = 4.0;      // between the cameras; more is no exposure, but a covered lens
+constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
+constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
 constexpr int kSupport_px = 31;           // matches so far around support a fill
 constexpr double kSupportSlack_px = 1.0;  // rounding of disparity at half size
 constexpr float kSmallestDisparity_px = 1.0f / kFixedPoint;  // "as far as can be told"
@@ -95,29 +98,46 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
 }
 
 void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
+  balance(frame);
   pad(frame.left, left_padded_);
-  pad(frame.right, right_padded_);
-  match(frame, out);
+  pad(balanced_right_, right_padded_);
+  match(frame.left, out);
   fill(out);
+}
+
+/// The right image with the left one's mean and contrast: cameras that expose by themselves differ.
+void DisparityEstimator::balance(const StereoFrame& frame) {
+  cv::Scalar left_mean, left_contrast, right_mean, right_contrast;
+  cv::meanStdDev(frame.left, left_mean, left_contrast);
+  cv::meanStdDev(frame.right, right_mean, right_contrast);
+  const double ratio = left_contrast[0] / right_contrast[0];
+  const double gain = 1.0 / kLargestGain <= ratio && ratio <= kLargestGain ? ratio : 1.0;  // 1 for NaN
+  frame.right.convertTo(balanced_right_, CV_8U, gain, left_mean[0] - gain * right_mean[0]);
 }
 
 void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {
   cv::copyMakeBorder(image, padded, 0, 0, pad_left_px_, pad_right_px_, cv::BORDER_REPLICATE);
 }
 
-void DisparityEstimator::match(const StereoFrame& frame, Disparity& out) {
+void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   matcher_->compute(left_padded_, right_padded_, left_fixed_);
 
   // Where nothing varies along the row, every disparity matches.
-  cv::Sobel(frame.left, gradient_, CV_16S, 1, 0, 1, 0.5);
+  cv::Sobel(left, gradient_, CV_16S, 1, 0, 1, 0.5);
   cv::convertScaleAbs(gradient_, gradient_);
   cv::boxFilter(gradient_, texture_, CV_32F, {config_.block_size_px, config_.block_size_px});
-  cv::compare(texture_, config_.texture_min, keep_, cv::CMP_GE);
+  cv::compare(texture_, leastTexture(left), keep_, cv::CMP_GE);
   toPixels(left_fixed_(image_area_), keep_, out.matched_px);
-  level_matcher_.match(frame.left, frame.right, out.matched_px);
-  refiner_.refine(frame.left, frame.right, out.matched_px);
+  level_matcher_.match(left, balanced_right_, out.matched_px);
+  refiner_.refine(left, balanced_right_, out.matched_px);
   removeDifference(out.matched_px);
-  out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(frame.left.total());
+  out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(left.total());
+}
+
+/// Photon noise falls with the square root of light, and with it what can pass for texture.
+double DisparityEstimator::leastTexture(const cv::Mat& image) const {
+  const double noise = std::sqrt(cv::mean(image)[0] / kBrightGrey);  // beside that of a bright image
+  return config_.texture_min * std::clamp(noise, kDimNoise, 1.0);
 }
 
 void DisparityEstimator::fill(Disparity& out) {
@@ -147,11 +167,20 @@ void DisparityEstimator::rejectInvented(Disparity& out) {
   out.filtered_px.setTo(kNaN, keep_);
 }
 
-bool DisparityEstimator::observes(const Eigen::Vector3d& p_C) const {
-  const Eigen::Vector2d pixel = geometry_.project(p_C);
-  const double matcher_px = geometry_.disparity(p_C.z()) + geometry_.principalPointDifference();
-  return geometry_.contains(pixel) && matcher_px <= pixel.x() &&
-         matcher_px < min_disparity_px_ + config_.num_disparities_px - 1;
+/// 0 <= u = fx x/z + cx is fx x + cx z >= 0, and so on; in the right image x is less by the baseline.
+ConvexRegion DisparityEstimator::observable() const {
+  const StereoCalibration& rig = geometry_.calibration();
+  const double last_u_px = rig.size_px.width - 1, last_v_px = rig.size_px.height - 1;
+  const double largest_px = min_disparity_px_ + config_.num_disparities_px - 1 - geometry_.principalPointDifference();
+  ConvexRegion region_C(4, 6);
+  region_C.col(0) << rig.fx_px, 0.0, rig.cx_px, 0.0;
+  region_C.col(1) << -rig.fx_px, 0.0, last_u_px - rig.cx_px, 0.0;
+  region_C.col(2) << 0.0, rig.fy_px, rig.cy_px, 0.0;
+  region_C.col(3) << 0.0, -rig.fy_px, last_v_px - rig.cy_px, 0.0;
+  region_C.col(4) << rig.fx_px, 0.0, rig.cx_right_px, -rig.fx_px * rig.baseline_m;
+  region_C.col(5) << 0.0, 0.0, 1.0, -geometry_.depth(largest_px);
+  for (int side = 0; side < 6; ++side) region_C.col(side) /= region_C.col(side).head<3>().norm();
+  return region_C;
 }
 
 /// Fixed point to pixels; what is not kept, not matched or not on the right image: NaN.

@@ -15,6 +15,8 @@ constexpr int kTooManyRepetitions = 3;     // of a LiDAR's reading to the last b
 constexpr double kClockSetBack_s = 5.0;    // no reading is so late
 constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
+constexpr std::uint32_t kMapInDoubt =      // reasons of a frame that left no evidence in the map, or none to trust
+    kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity | kFrozenImage;
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -215,7 +217,11 @@ double Pipeline::lidarRange(double stamp_s) const {
 }
 
 void Pipeline::updateMap() {
-  if (config_.map.frame_id.empty()) map_.clear();
+  if (config_.map.frame_id.empty()) {
+    map_.clear();
+  } else {
+    map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
+  }
   map_.insert(depth_.filled_m, T_M_C_);
   if (const double range_m = report_.range.range_m;
       std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
@@ -225,9 +231,8 @@ void Pipeline::updateMap() {
 
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
-  const Eigen::Isometry3d T_C_M = T_M_C_.inverse();
-  const CorridorOccupancy occupancy = corridor_.inspect(
-      map_.tree(), box(), [&](const Eigen::Vector3d& p_M) { return disparity_estimator_.observes(T_C_M * p_M); });
+  const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * disparity_estimator_.observable();
+  const CorridorOccupancy occupancy = corridor_.inspect(map_.tree(), box(), observable_M);
   const std::optional<double> beam_end_m = beamEndInBox();
   verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
   verdict.unknown_fraction = occupancy.unknown_fraction;
@@ -244,10 +249,8 @@ void Pipeline::decide() {
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  // The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
-  const bool cloud_too_far = report_.range.disagreement && std::isfinite(report_.range_lidar_m);
   const bool hidden =
-      cloud_too_far ||
+      isCloudTooFar() ||
       (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
@@ -255,6 +258,27 @@ void Pipeline::decide() {
   because(std::isnan(report_.range_lidar_m), kNoLidar);
   because(lidar_ && !isFused(lidar_->outcome), kLidarRejected);
   because(std::isnan(report_.range.range_m), kNoRangeObserved);
+}
+
+/// The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
+bool Pipeline::isCloudTooFar() const { return report_.range.disagreement && std::isfinite(report_.range_lidar_m); }
+
+Verdict Pipeline::query(const Box& box) const {
+  throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
+  const CorridorOccupancy occupancy = inspectBox(map_.tree(), box, ConvexRegion());
+  Verdict verdict;
+  verdict.stamp_s = report_.verdict.stamp_s;
+  verdict.clear_distance_m = occupancy.clear_distance_m;
+  verdict.unknown_fraction = occupancy.unknown_fraction;
+
+  const bool blocked = std::isfinite(occupancy.clear_distance_m);
+  verdict.reasons = report_.verdict.reasons & kMapInDoubt;
+  if (blocked) verdict.reasons |= kOccupiedCell;
+  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
+  if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
+  if (isCloudTooFar()) verdict.reasons |= kDisagreement;
+  verdict.state = blocked ? State::Blocked : verdict.reasons != 0 ? State::Unknown : State::Free;
+  return verdict;
 }
 
 /// How far along the box's axis the beam ends, when that is inside the box: d_K < D_min of the paper, carried to the
@@ -285,6 +309,7 @@ void Pipeline::reset() {
   lidar_.reset();
   seen_.fill(Seen());
   blocked_s_ = -kInfinity;
+  report_ = Report();
 }
 
 }  // namespace flight_corridor

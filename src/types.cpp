@@ -5,9 +5,9 @@
 
 namespace flight_corridor {
 
-void throwIfBroken(const Violations& broken) {
+void throwIfBroken(const Violations& broken, const std::string& title) {
   if (broken.empty()) return;
-  std::string text = "broken configuration:";
+  std::string text = title + ":";
   for (const std::string& violation : broken) text += "\n  " + violation;
   throw std::invalid_argument(text);
 }

@@ -6,48 +6,71 @@
 #include <random>
 
 #include "flight_corridor/depth_pyramid.hpp"
-#include "flight_corridor/types.hpp"
+#include "support/calibrations.hpp"
 
 namespace flight_corridor {
 namespace {
 
-TEST(DepthPyramid, AgreesWithALoopOverTheTilesOfAnyRectangle) {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<float> depth(0.5f, 9.0f);
-  for (const cv::Size size : {cv::Size(64, 48), cv::Size(61, 47), cv::Size(4, 4), cv::Size(3, 90)}) {
-    cv::Mat near(size, CV_32FC1), far(size, CV_32FC1);
-    for (int i = 0; i < size.area(); ++i) {
-      const bool ray = random() % 4 != 0;
-      near.ptr<float>()[i] = ray ? depth(random) : static_cast<float>(kNaN);
-      far.ptr<float>()[i] = near.ptr<float>()[i] + 0.3f;
-    }
-    DepthPyramid pyramid;
-    pyramid.build(near, far, 0.7);
-    for (int trial = 0; trial < 300; ++trial) {
-      const int x = random() % size.width, y = random() % size.height;
-      const cv::Rect rectangle(x, y, 1 + random() % (size.width - x), 1 + random() % (size.height - y));
-      const int tile = DepthPyramid::kTile_px;
-      float nearest = INFINITY, farthest = 0.0f;
-      int usable = 0, tiles = 0;
-      for (int ty = y / tile; ty <= (rectangle.br().y - 1) / tile; ++ty) {
-        for (int tx = x / tile; tx <= (rectangle.br().x - 1) / tile; ++tx, ++tiles) {
-          const cv::Rect area = cv::Rect(tx * tile, ty * tile, tile, tile) & cv::Rect({0, 0}, size);
-          int rays = 0;
-          for (int v = area.y; v < area.br().y; ++v) {
-            for (int u = area.x; u < area.br().x; ++u) {
-              if (std::isnan(near.at<float>(v, u))) continue;
-              nearest = std::min(nearest, near.at<float>(v, u));
-              farthest = std::max(farthest, far.at<float>(v, u));
-              ++rays;
-            }
-          }
-          usable += rays >= 0.7 * area.area();
+constexpr int kTile_px = DepthPyramid::kTile_px;
+constexpr double kBand_px = 0.5, kRayFraction = 0.7;
+const StereoGeometry kGeometry(test_support::smallCalibration());
+
+struct Expected {
+  float nearest_m = INFINITY, farthest_m = 0.0f;
+  double usable = 0.0;
+};
+
+/// Pixel by pixel.
+Expected loopOver(const cv::Mat& depth_m, const DepthPyramid::Tiles& tiles) {
+  Expected expected;
+  int count = 0;
+  for (int row = tiles.top; row <= tiles.bottom; ++row) {
+    for (int column = tiles.left; column <= tiles.right; ++column, ++count) {
+      const cv::Rect area =
+          cv::Rect(column * kTile_px, row * kTile_px, kTile_px, kTile_px) & cv::Rect({0, 0}, depth_m.size());
+      float nearest_m = INFINITY;
+      int rays = 0;
+      for (int v = area.y; v < area.br().y; ++v) {
+        for (int u = area.x; u < area.br().x; ++u) {
+          const float surface_m = depth_m.at<float>(v, u);
+          if (std::isnan(surface_m)) continue;
+          nearest_m = std::min(nearest_m, kGeometry.shiftedDepth(surface_m, kBand_px));
+          ++rays;
         }
       }
-      const DepthPyramid::Reach reach = pyramid.reach(rectangle);
-      ASSERT_EQ(reach.nearest_m, nearest) << rectangle;
-      ASSERT_EQ(reach.farthest_m, farthest) << rectangle;
-      ASSERT_FLOAT_EQ(reach.tile_fraction, usable / static_cast<float>(tiles)) << rectangle;
+      expected.nearest_m = std::min(expected.nearest_m, nearest_m);
+      if (rays > 0) expected.farthest_m = std::max(expected.farthest_m, nearest_m);
+      expected.usable += rays >= kRayFraction * area.area();
+    }
+  }
+  expected.usable /= count;
+  return expected;
+}
+
+cv::Mat randomDepth(cv::Size size, std::mt19937& random) {
+  std::uniform_real_distribution<float> depth(0.5f, 9.0f);
+  cv::Mat depth_m(size, CV_32FC1);
+  for (int i = 0; i < size.area(); ++i) depth_m.ptr<float>()[i] = random() % 4 ? depth(random) : NAN;
+  depth_m.rowRange(0, std::min(5, size.height)).setTo(NAN);  // tiles without any ray
+  depth_m.at<float>(size.height - 1, size.width - 1) = INFINITY;
+  return depth_m;
+}
+
+TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangle) {
+  std::mt19937 random(11);
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(61, 47), cv::Size(4, 4), cv::Size(3, 90)}) {
+    const cv::Mat depth_m = randomDepth(size, random);
+    DepthPyramid pyramid;
+    pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
+    const int columns = (size.width + kTile_px - 1) / kTile_px, rows = (size.height + kTile_px - 1) / kTile_px;
+    for (int trial = 0; trial < 300; ++trial) {
+      const int left = random() % columns, top = random() % rows;
+      const int right = left + random() % (columns - left), bottom = top + random() % (rows - top);
+      const DepthPyramid::Tiles tiles{left, top, right, bottom};
+      const Expected expected = loopOver(depth_m, tiles);
+      ASSERT_EQ(pyramid.reach(tiles).nearest_m, expected.nearest_m);
+      ASSERT_EQ(pyramid.reach(tiles).farthest_m, expected.farthest_m);
+      ASSERT_DOUBLE_EQ(pyramid.usableFraction(tiles), expected.usable);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
 
 #include "flight_corridor/disparity_estimator.hpp"
@@ -19,6 +20,10 @@ double shareRight(const cv::Mat& disparity_px, double expected_px) {
   return cv::countNonZero(error <= 0.25) / static_cast<double>(error.total());
 }
 
+bool contains(const ConvexRegion& region_C, const Eigen::Vector3d& p_C) {
+  return ((region_C.transpose() * p_C.homogeneous()).array() >= 0.0).all();
+}
+
 TEST(DisparityEstimator, FindsTheDisparityOfATexturedWall) {
   const StereoGeometry geometry(smallCalibration());
   DisparityEstimator estimator(StereoConfig(), geometry);
@@ -28,6 +33,30 @@ TEST(DisparityEstimator, FindsTheDisparityOfATexturedWall) {
   EXPECT_GT(shareRight(disparity.matched_px, 12.0), 0.90);
   EXPECT_GT(disparity.matched_fraction, 0.90);
   EXPECT_GT(shareRight(disparity.filtered_px, 12.0), 0.75);
+}
+
+TEST(DisparityEstimator, CamerasMayExposeDifferently) {
+  const StereoGeometry geometry(smallCalibration());
+  DisparityEstimator estimator(StereoConfig(), geometry);
+  Disparity disparity;
+  for (const double gain : {0.5, 0.8, 1.25}) {
+    StereoFrame frame = wallFrame(geometry, 12, 0.0);
+    frame.left *= 0.7;  // so that nothing is saturated
+    frame.right *= 0.7 * gain;
+    estimator.estimate(frame, disparity);
+    EXPECT_GT(shareRight(disparity.matched_px, 12.0), 0.90) << gain;
+  }
+}
+
+TEST(DisparityEstimator, ACoveredLensGivesNoDisparity) {
+  const StereoGeometry geometry(smallCalibration());
+  DisparityEstimator estimator(StereoConfig(), geometry);
+  Disparity disparity;
+  StereoFrame frame = wallFrame(geometry, 12, 0.0);
+  cv::RNG random(3);
+  random.fill(frame.right, cv::RNG::NORMAL, 10.0, 1.5);
+  estimator.estimate(frame, disparity);
+  EXPECT_LT(disparity.matched_fraction, StereoConfig().min_matched_fraction);
 }
 
 TEST(DisparityEstimator, RemovesThePrincipalPointDifferenceOnce) {
@@ -99,12 +128,37 @@ TEST(DisparityEstimator, TheSameFrameGivesTheSameDisparity) {
 
 TEST(DisparityEstimator, ObservesWhatBothImagesShowWithinTheSearchedRange) {
   const StereoGeometry geometry(smallCalibration());
-  const DisparityEstimator estimator(StereoConfig(), geometry);
-  EXPECT_TRUE(estimator.observes({0.0, 0.0, 4.0}));
-  EXPECT_FALSE(estimator.observes({0.0, 0.0, -4.0}));
-  EXPECT_FALSE(estimator.observes({0.0, 0.0, 0.1}));   // 210 px
-  EXPECT_FALSE(estimator.observes({5.0, 0.0, 4.0}));   // outside the left image
-  EXPECT_FALSE(estimator.observes({-0.9, 0.0, 1.0}));  // column 2 of the left image, 21 px outside the right one
+  const ConvexRegion observable_C = DisparityEstimator(StereoConfig(), geometry).observable();
+  EXPECT_TRUE(contains(observable_C, {0.0, 0.0, 4.0}));
+  EXPECT_FALSE(contains(observable_C, {0.0, 0.0, -4.0}));
+  EXPECT_FALSE(contains(observable_C, {0.0, 0.0, 0.1}));   // 210 px
+  EXPECT_FALSE(contains(observable_C, {5.0, 0.0, 4.0}));   // outside the left image
+  EXPECT_FALSE(contains(observable_C, {-0.9, 0.0, 1.0}));  // column 2 of the left image, 21 px outside the right one
+}
+
+TEST(DisparityEstimator, WhatItObservesIsWhatTheCalibrationProjectsOntoBothImages) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> sideways(-2.0, 2.0), depth(-0.5, 2.0);
+  for (const double difference_px : {-20.0, 0.0, 7.3}) {
+    StereoCalibration calibration = smallCalibration();
+    calibration.cx_right_px = calibration.cx_px - difference_px;
+    const StereoGeometry geometry(calibration);
+    const StereoConfig config;
+    const ConvexRegion observable_C = DisparityEstimator(config, geometry).observable();
+    int observed = 0;
+    for (int trial = 0; trial < 5000; ++trial) {
+      const Eigen::Vector3d p_C(sideways(random), sideways(random), depth(random));
+      const Eigen::Vector2d left_px = geometry.project(p_C);
+      const double matched_px = geometry.disparity(p_C.z()) + difference_px;
+      // The matcher searches from 2 px below zero, and gives no value at the last disparity.
+      const double end_px = std::floor(difference_px) - 2 + config.num_disparities_px - 1;
+      const bool expected = geometry.contains(left_px) && left_px.x() - matched_px >= 0.0 && matched_px < end_px;
+      EXPECT_EQ(contains(observable_C, p_C), expected) << p_C.transpose() << ", " << difference_px << " px";
+      observed += expected;
+    }
+    EXPECT_GT(observed, 500);
+    EXPECT_LT(observed, 4500);
+  }
 }
 
 TEST(DisparityEstimator, RefusesASearchWiderThanTheImage) {

@@ -86,7 +86,7 @@ void castRays(const cv::Mat& depth, const Eigen::Isometry3d& T_M_C, octomap::OcT
     for (int u = 0; u < depth.cols; ++u) {
       const float z = depth.at<float>(v, u);
       if (!(z > 0.0f)) continue;
-      const double free_up_to = std::min(8.0, kGeometry.shiftedDepth(z, MapConfig().free_band_px));
+      const double free_up_to = std::min(8.0, kGeometry.shiftedDepth<double>(z, MapConfig().free_band_px));
       tree.computeRayKeys(point(T_M_C.translation()), point(T_M_C * kGeometry.point(u, v, free_up_to)), ray);
       for (const octomap::OcTreeKey& key : ray) misses.insert(key);
       if (z <= 8.0f) hits.insert(tree.coordToKey(point(T_M_C * kGeometry.point(u, v, z))));
@@ -206,6 +206,64 @@ TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.55}), Cell::Free);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.25}), Cell::Unknown);
   map.insertBeam({0, 0, 0}, {kNaN, 0, 1}, true);  // no harm
+}
+
+MapConfig inFixedFrame() {
+  MapConfig config;
+  config.frame_id = "odom";
+  return config;
+}
+
+TEST(OccupancyMap, TheWindowMovesWithTheCamera) {
+  OccupancyMap map(inFixedFrame(), kGeometry);
+  map.keepAround({0, 0, 0}, 0.0);
+  map.insert(wallDepth(kGeometry.size(), 4.0), Eigen::Isometry3d::Identity());
+  const Eigen::Vector3d wall(0.05, 0.3, 3.95);
+  map.keepAround({0, 0, 11.0}, 1.0);
+  EXPECT_EQ(cellAt(map, wall), Cell::Occupied) << "7 m behind";
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 0.95}), Cell::Unknown) << "10 m behind";
+  map.keepAround({0, 0, 30.0}, 1.0);
+  EXPECT_EQ(map.tree().size(), 0u);
+}
+
+TEST(OccupancyMap, WhatIsNotSeenForLongIsForgotten) {
+  OccupancyMap map(inFixedFrame(), kGeometry);
+  cv::Mat depth_m = wallDepth(kGeometry.size(), 4.0);
+  map.keepAround({0, 0, 0}, 0.0);
+  map.insert(depth_m, Eigen::Isometry3d::Identity());
+  depth_m.colRange(0, 160).setTo(kNaN);  // from now on the left half shows nothing
+  const Eigen::Vector3d left(-1.65, 0.05, 3.95), right(1.65, 0.05, 3.95);
+  for (double stamp_s = 0.0; stamp_s <= MapConfig().forget_s; stamp_s += 1.0) {
+    map.keepAround({0, 0, 0}, stamp_s);
+    map.insert(depth_m, Eigen::Isometry3d::Identity());
+    EXPECT_EQ(cellAt(map, left), Cell::Occupied) << stamp_s;
+  }
+  map.keepAround({0, 0, 0}, MapConfig().forget_s + 1.0);
+  EXPECT_EQ(cellAt(map, left), Cell::Unknown);
+  EXPECT_EQ(cellAt(map, right), Cell::Occupied);
+}
+
+TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {
+  OccupancyMap map(inFixedFrame(), kGeometry);
+  std::size_t most = 0, most_later = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Isometry3d T_M_C(Eigen::Translation3d(0.0, 0.0, 0.2 * i));
+    map.keepAround(T_M_C.translation(), 0.1 * i);
+    map.insert(wallDepth(kGeometry.size(), 5.0), T_M_C);
+    std::size_t& peak = i < 150 ? most : most_later;
+    peak = std::max(peak, map.tree().size());
+  }
+  EXPECT_LT(most_later, 1.1 * most);
+}
+
+TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
+  OccupancyMap map(MapConfig(), kGeometry);
+  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
+  map.clear(Eigen::AlignedBox3d(Eigen::Vector3d(-0.5, -0.5, 2.0), Eigen::Vector3d(0.5, 0.5, 4.5)));
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.95}), Cell::Unknown);
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 2.45}), Cell::Unknown);
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.45}), Cell::Free);
+  EXPECT_EQ(cellAt(map, {1.05, 0.05, 2.45}), Cell::Free);
 }
 
 TEST(OccupancyMap, ClearForgetsEverything) {

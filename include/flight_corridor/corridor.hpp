@@ -3,7 +3,6 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
-#include <functional>
 #include <string>
 
 #include "flight_corridor/types.hpp"
@@ -31,6 +30,10 @@ struct Box {
   Eigen::Vector3d size_m{0, 0, 0};
 };
 
+/// What is wrong with a box of any place and size: a pose that is none, sides that are not above 0 and up to 100 m, or
+/// so large a surface that looking at it would take longer than a frame.
+Violations check(const Box& box, double cell_m);
+
 /// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
 
@@ -38,8 +41,15 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
 struct CorridorOccupancy {
   double clear_distance_m =
       kInfinity;                  ///< Along the box's axis to the nearest occupied cell's near face; +inf when none.
-  double unknown_fraction = 1.0;  ///< Unobserved share of the observable cells; 1 when nothing is observable.
+  double unknown_fraction = 1.0;  ///< Unknown share of the cells that should be known; 1 when there is none of these.
 };
+
+/// The nearest occupied cell that shares a point with the box, and the unknown share of the cells centred in it. Both
+/// by descent: cubes outside are left out, cubes wholly inside are decided at once. A box thinner than a cell may hold
+/// no cell's centre, one that reaches out of the octree is not judged by its part inside: both are unknown altogether.
+/// @param tree inner nodes up to date (octomap::OcTree::updateInnerOccupancy).
+/// @param needed_M cells centred outside this region of M need not be known.
+CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M);
 
 /// The UAV-sized box ahead, tested against an octree.
 class Corridor {
@@ -51,9 +61,9 @@ class Corridor {
   /// @param T_M_F frame that the corridor belongs to (x forward) in M.
   Box box(const Eigen::Isometry3d& T_M_F) const;
 
-  /// @param observable whether a point of M must have been seen for the box to be free.
-  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box,
-                            const std::function<bool(const Eigen::Vector3d& p_M)>& observable) const;
+  /// inspectBox() where only what lies beyond blind_m must be known.
+  /// @param observable_M what must have been seen for the box to be free.
+  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M) const;
 
  private:
   CorridorConfig config_;

@@ -1,44 +1,61 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "flight_corridor/stereo_geometry.hpp"
+
 namespace flight_corridor {
 
-/// How far the rays of an image rectangle reach, in constant time: a sparse table of minima and maxima (Bender and
-/// Farach-Colton 2000) over tiles of kTile_px x kTile_px pixels. Rectangles are widened to whole tiles, so that an
-/// answer never leaves out a ray that was asked for.
+/// Up to where the rays of an image rectangle are free, in near constant time: minima and maxima over overlapping
+/// squares of tiles (a sparse table, Bender and Farach-Colton 2000, of squares alone), tiles of kTile_px x kTile_px
+/// pixels. Rectangles are widened to whole tiles, so that an answer never leaves out a ray that was asked for.
 class DepthPyramid {
  public:
   static constexpr int kTile_px = 4;
 
-  /// What the rays of a rectangle say.
-  struct Reach {
-    float nearest_m;      ///< Smallest of the near depths; +inf when there is no ray.
-    float farthest_m;     ///< Largest of the far depths; 0 when there is no ray.
-    float tile_fraction;  ///< Share of the rectangle's tiles that hold rays enough [0..1].
+  /// Rectangle of tiles, its last column and row included.
+  struct Tiles {
+    int left, top, right, bottom;
   };
 
-  /// @param near_m, far_m  CV_32FC1 of one size: depth up to which a pixel's ray is surely free, and where it may end
-  /// at most; NaN in both = no ray.
-  /// @param min_ray_fraction share of a tile's pixels that must have a ray.
-  void build(const cv::Mat& near_m, const cv::Mat& far_m, double min_ray_fraction);
+  /// Up to where the rays of a rectangle are free.
+  struct Reach {
+    float nearest_m;   ///< The least free ray; +inf when there is none.
+    float farthest_m;  ///< The least free ray of the most free tile; 0 when there is none.
+  };
 
-  /// @param rectangle in pixels, not empty, inside the image.
-  Reach reach(const cv::Rect& rectangle) const;
+  /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
+  /// @param free_band_px a ray is free up to where its surface's disparity would be larger by this.
+  /// @param min_ray_fraction share of a tile's pixels that must have a ray.
+  void build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px, double min_ray_fraction);
+
+  /// @param tiles not empty, inside the image.
+  Reach reach(const Tiles& tiles) const;
+
+  /// Share of the rectangle's tiles that hold rays enough [0..1].
+  double usableFraction(const Tiles& tiles) const;
 
  private:
-  void buildTiles(const cv::Mat& near_m, const cv::Mat& far_m, double min_ray_fraction);
-  std::size_t level(int log_columns, int log_rows) const;
+  struct Square {
+    float nearest_m, minus_farthest_m;  // negated, so that both are minima
+  };
+  static Square least(const Square& a, const Square& b) {
+    return {std::min(a.nearest_m, b.nearest_m), std::min(a.minus_farthest_m, b.minus_farthest_m)};
+  }
 
-  int columns_ = 0, rows_ = 0;          // of tiles
-  int log_columns_ = 0, log_rows_ = 0;  // levels of the table
-  std::vector<float> nearest_,
-      farthest_;  // [log_rows][log_columns][row][column]: over 2^log_rows x 2^log_columns tiles
-  std::vector<std::uint8_t> usable_;
-  cv::Mat usable_sum_;     // CV_32SC1 integral image of usable_
-  std::vector<int> rays_;  // scratch: rays per tile of one row of tiles
+  void buildTiles(const cv::Mat& depth_m, double min_ray_fraction);
+  void endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction);
+  void joinSquares(int level);
+
+  int columns_ = 0, rows_ = 0, levels_ = 0;
+  std::vector<Square> squares_;       // [level][row][column]: over 2^level x 2^level tiles from there on
+  std::vector<std::uint8_t> usable_;  // per tile: rays enough
+  cv::Mat usable_sum_;                // CV_32SC1 integral image of usable_
+  std::vector<float> column_near_m_;  // scratch, per pixel column of a row of tiles
+  std::vector<int> column_rays_;
 };
 
 }  // namespace flight_corridor

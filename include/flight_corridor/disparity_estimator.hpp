@@ -22,7 +22,8 @@ struct StereoConfig {
   int left_right_max_px = 1;     ///< Largest left-right inconsistency; -1 switches the check off.
   int speckle_window_px = 100;   ///< Smaller islands of disparity are removed; 0 switches it off.
   int speckle_range_px = 2;
-  double texture_min = 1.5;            ///< Smallest local grey gradient that counts as texture [grey levels].
+  double texture_min = 1.5;            ///< Smallest local grey gradient that counts as texture [grey levels]; a dim
+                                       ///< image has less noise, there down to two thirds of this.
   double wls_lambda = 8000.0;          ///< Weight of smoothness in the WLS filter (Min et al. 2014).
   double wls_sigma = 1.5;              ///< Sensitivity to image edges in the WLS filter.
   double wls_min_confidence = 0.5;     ///< Below, a WLS value is invented, not measured [0..1].
@@ -49,12 +50,14 @@ class DisparityEstimator {
   /// @param out refilled.
   void estimate(const StereoFrame& frame, Disparity& out);
 
-  /// Whether a surface at a point of C could be matched: on both images, and within the disparities searched.
-  bool observes(const Eigen::Vector3d& p_C) const;
+  /// Where in C a surface could be matched: on both images, and within the disparities searched.
+  ConvexRegion observable() const;
 
  private:
+  void balance(const StereoFrame& frame);
   void pad(const cv::Mat& image, cv::Mat& padded) const;
-  void match(const StereoFrame& frame, Disparity& out);
+  void match(const cv::Mat& left, Disparity& out);
+  double leastTexture(const cv::Mat& image) const;
   void fill(Disparity& out);
   void rejectInvented(Disparity& out);
   void toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const;
@@ -72,7 +75,7 @@ class DisparityEstimator {
   cv::Ptr<cv::StereoSGBM> wls_left_matcher_;
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
-  cv::Mat left_padded_, right_padded_, left_half_, right_half_;
+  cv::Mat balanced_right_, left_padded_, right_padded_, left_half_, right_half_;
   cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_, keep_;
   cv::Mat support_, lowest_, highest_;
 };

@@ -9,7 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "flight_corridor/cell_counts.hpp"
 #include "flight_corridor/depth_pyramid.hpp"
+#include "flight_corridor/evidence_tree.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 
 namespace flight_corridor {
@@ -24,9 +26,10 @@ struct MapConfig {
   double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
   double min_ray_fraction = 0.5;  ///< Share of a cell's pixels that must see past it to clear it.
   double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
-  double log_odds_miss = -0.7;    ///< Added for a miss.
+  double log_odds_miss = -1.1;    ///< Added for a miss; two make an occupied cell free.
   double log_odds_min = -2.0;     ///< Clamping limits.
-  double log_odds_max = 3.5;
+  double log_odds_max = 2.0;
+  double forget_s = 10.0;  ///< In a fixed frame: space without evidence for so long is unknown again.
 };
 Violations check(const MapConfig& config);
 
@@ -46,47 +49,51 @@ class OccupancyMap {
   /// @param hit false: nothing was met up to the end.
   void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit);
 
+  /// A window that moves with the camera: forgets what lies more than max_range_m beside centre_M on any axis and
+  /// blocks of 16 x 16 x 16 cells without evidence for forget_s. Evidence added from now on is of stamp_s. For maps in
+  /// a fixed frame.
+  void keepAround(const Eigen::Vector3d& centre_M, double stamp_s);
+
   /// Everything unknown again.
-  void clear() { tree_.clear(); }
+  void clear();
+
+  /// Cells that meet a box are unknown again.
+  void clear(const Eigen::AlignedBox3d& box_M);
 
   const octomap::OcTree& tree() const { return tree_; }
 
  private:
-  /// Access to the root, which OctoMap creates only through a point.
-  class Tree : public octomap::OcTree {
-   public:
-    using octomap::OcTree::OcTree;
-    octomap::OcTreeNode* makeRoot();
-  };
   struct Cube;
-  using CellCounts = std::unordered_map<octomap::OcTreeKey, int, octomap::OcTreeKey::KeyHash>;
-  enum class Sight { Free, Nothing, Mixed };
+  struct Parts;
+  enum class Sight { Free, Mixed, Nothing };
 
-  void measureRays(const cv::Mat& depth_m);
   void countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C);
+  void findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C);
+  void addHits(const Eigen::Isometry3f& T_C_M);
   void orientCubes(const Eigen::Isometry3f& T_C_M);
-  bool visit(const Cube& cube);
-  Sight look(const Cube& cube) const;
-  bool isBesideView(const Cube& cube) const;
-  bool isHit(const Cube& cube) const;
-  octomap::OcTreeNode* materialise(unsigned depth, bool& created);
-  void addToPath(unsigned depth, float log_odds);
-  void addToSubtree(octomap::OcTreeNode* node, float log_odds);
+  void addFree(const Cube& cube);
+  void project(const Cube& cube, Parts& parts) const;
+  Sight look(const Parts& parts, unsigned i, unsigned depth) const;
+  bool isBesideView(const Parts& parts, unsigned i, unsigned depth) const;
+  void add(const octomap::OcTreeKey& key, unsigned depth, double log_odds);
+  void rememberBlocks(const octomap::OcTreeKey& key, unsigned depth);
+  bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
   StereoGeometry geometry_;
-  Tree tree_;
-  Eigen::Array2f focal_px_, centre_px_;  // of the left image
+  EvidenceTree tree_;
   DepthPyramid pyramid_;
-  cv::Mat hit_m_, near_m_, far_m_;  // per pixel: where its surface is, up to where its ray is surely free, and where
-                                    // it ends at most
   CellCounts points_;
+  Eigen::Array3i window_key_{0, 0, 0};           // lowest cell of the window in which points are counted
+  std::vector<float> row_hit_m_;                 // scratch: where a row's surfaces are,
+  std::vector<std::uint32_t> row_cells_;         // and their cells in the window
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::vector<Eigen::Matrix3f> half_edges_C_;    // per tree depth: columns are the cube's half edges in C
-  std::vector<Eigen::Array3f> cube_reach_C_;     // per tree depth: half extents of the box square to C around a cube
-  std::vector<octomap::OcTreeNode*> path_;       // per tree depth: node of the cube being visited, null while unknown
-  std::vector<unsigned> child_of_path_;          // per tree depth: which child of its parent that node is
+  std::vector<Eigen::Vector3f> cube_reach_C_;    // per tree depth: half extents of the box square to C around a cube
   octomap::KeyRay beam_;
+  std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
+  std::uint64_t last_block_ = 0;
+  double now_s_ = 0.0;
 };
 
 }  // namespace flight_corridor

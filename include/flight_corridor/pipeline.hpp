@@ -74,6 +74,16 @@ class Pipeline {
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
+  /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
+  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, or where the last frame says that
+  /// the map is not to be trusted. The answer is as old as its stamp, the last frame's: judge its age.
+  /// @param box in the map's frame: map/frame_id, without it C at the last frame.
+  /// @throws std::invalid_argument with every broken rule of check(box).
+  Verdict query(const Box& box) const;
+
+  /// Cells of the map that meet a box, in the map's frame, are unknown again.
+  void clear(const Eigen::AlignedBox3d& box_M) { map_.clear(box_M); }
+
   /// Forgets everything but the configuration and the rig.
   void reset();
 
@@ -111,6 +121,7 @@ class Pipeline {
   double lidarRange(double stamp_s) const;
   void updateMap();
   void decide();
+  bool isCloudTooFar() const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <opencv2/core/types.hpp>
 
 #include "flight_corridor/types.hpp"
@@ -44,9 +45,10 @@ class StereoGeometry {
 
   /// Depth of a surface if its disparity were larger by shift_px: fB/(fB/Z + shift).  @return [m]; +inf where it passes
   /// 0.
-  double shiftedDepth(double depth_m, double shift_px) const {
-    const double divisor = 1.0 + depth_m * shift_px / focal_baseline_px_m_;
-    return divisor <= 0.0 ? kInfinity : depth_m / divisor;  // NaN stays NaN
+  template <class Real>
+  Real shiftedDepth(Real depth_m, double shift_px) const {
+    const Real inverse = Real{1} / depth_m + static_cast<Real>(shift_px / focal_baseline_px_m_);
+    return Real{1} / std::max(inverse, Real{0});  // NaN stays NaN
   }
 
   /// What a matcher's u_l - u_r holds too much: cx_l - cx_r [px].

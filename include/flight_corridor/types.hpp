@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/mat.hpp>
@@ -16,8 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Broken configuration rules as sentences "section/key: rule (value)"; empty when all hold.
 using Violations = std::vector<std::string>;
 
-/// @throws std::invalid_argument with all of them, one a line, unless empty.
-void throwIfBroken(const Violations& broken);
+/// @throws std::invalid_argument with the title and all of them, one a line, unless empty.
+void throwIfBroken(const Violations& broken, const std::string& title = "broken configuration");
 
 /// Collects the broken rules of one section of the configuration.
 class Rules {
@@ -54,6 +55,11 @@ struct RangeReading {
   double max_range_m = kInfinity;
   double field_of_view_rad = 0.0;  ///< Full width of the beam's cone.
 };
+
+/// Convex region of space: the points p with planes^T (p, 1) >= 0; all of space without a plane. One plane a column:
+/// unit normal pointing inwards, then offset [m]. T_A_B^T planes_A are the same planes in B (Hartley and Zisserman
+/// 2004, ch. 3).
+using ConvexRegion = Eigen::Matrix4Xd;
 
 enum class State : std::uint8_t { Unknown = 0, Free = 1, Blocked = 2 };
 

@@ -77,7 +77,8 @@ Fields bind(flight_corridor::MapConfig& c) {
           {"log_odds_hit", &c.log_odds_hit},
           {"log_odds_miss", &c.log_odds_miss},
           {"log_odds_min", &c.log_odds_min},
-          {"log_odds_max", &c.log_odds_max}};
+          {"log_odds_max", &c.log_odds_max},
+          {"forget_s", &c.forget_s}};
 }
 
 Fields bind(flight_corridor::CorridorConfig& c) {
