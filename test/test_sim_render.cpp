@@ -117,6 +117,32 @@ TEST(Render, LeavesOutWhatTheCameraDoesNotSee) {
   EXPECT_EQ(countSurface(seen.depth_m), 0);
 }
 
+TEST(Render, AMirrorShowsWhatStandsBehindTheCameraTwiceAsFarAsItself) {
+  Material black, polished;
+  black.grey = polished.grey = 0.0f;
+  polished.mirror = 1.0f;
+  const Camera camera = cameraAtOrigin(smallRig());
+  const Primitive mirror = makeBox({0, 0, 4.05}, {40, 40, 0.1}, polished);
+  const Rendering reflected = render({mirror, makeSphere({0.7, 0.3, -2.0}, 0.8, black)}, camera);
+  const Rendering image = render({makeSphere({0.7, 0.3, 2.0 * 4.0 + 2.0}, 0.8, black)}, camera);
+  EXPECT_GT(countSurface(image.depth_m), 100);
+  // Of an outline pixel's eight rays rounding may let one pass.
+  EXPECT_LE(cv::norm(reflected.radiance, image.radiance, cv::NORM_INF), 1.01 / 8.0);
+  EXPECT_NEAR(reflected.depth_m.at<float>(60, 80), 4.0f, 1e-3f);
+}
+
+TEST(Render, AHalfMirrorShowsHalfOfItsOwnSurface) {
+  Material half;
+  half.grey = 0.2f;
+  half.contrast = 0.0f;
+  const Camera camera = cameraAtOrigin(smallRig());
+  const auto middle = [&](float mirror) {
+    half.mirror = mirror;
+    return render({makeBox({0, 0, 4.05}, {40, 40, 0.1}, half)}, camera).radiance.at<float>(60, 80);
+  };
+  EXPECT_NEAR(middle(0.5f), (middle(0.0f) + 1.0f) / 2.0f, 1e-6f);  // the sky's 1
+}
+
 TEST(Render, AThinPoleKeepsItsWidthWhereverItStandsBetweenPixels) {
   Material black;
   black.grey = 0.0f;

@@ -95,5 +95,21 @@ TEST(Expose, SaturatesAndDependsOnTheSeedOnly) {
   EXPECT_GT(cv::norm(expose(radiance, sensor, 1), expose(radiance, sensor, 2), cv::NORM_INF), 0.0);
 }
 
+TEST(Expose, RainAddsBrightStreaksThatDifferBySeed) {
+  const cv::Mat radiance(480, 640, CV_32FC1, cv::Scalar(0.4));
+  ImageSensor dry, wet;
+  wet.streaks = 100;
+  const auto streaked = [&](std::uint64_t seed) -> cv::Mat {
+    cv::Mat added;
+    cv::subtract(expose(radiance, wet, seed), expose(radiance, dry, seed), added);
+    return added > 10;
+  };
+  const cv::Mat one = streaked(1), other = streaked(2);
+  // 100 streaks of 5 to 29 px, one pixel wide, blurred to two or three; some fall over each other or leave the image.
+  EXPECT_GT(cv::countNonZero(one), 800);
+  EXPECT_LT(cv::countNonZero(one), 6000);
+  EXPECT_GT(cv::countNonZero(one != other), 800);
+}
+
 }  // namespace
 }  // namespace flight_corridor::sim

@@ -76,14 +76,13 @@ Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::I
   return {behind ? cv::Rect() : pixelsBetween(low, high, camera.size_px), low.z()};
 }
 
-/// Nearest first.
+/// Nearest first; also what only a mirror can show.
 std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera) {
   std::vector<View> views;
   for (const Primitive& primitive : primitives) {
     if (!primitive.material.camera_sees) continue;
     const Eigen::Isometry3d T_O_C = primitive.T_W_O.inverse() * camera.T_W_C;
     const Extent extent = extentOf(primitive, camera, T_O_C.inverse());
-    if (extent.pixels.empty()) continue;
     views.push_back({&primitive, T_O_C.translation().cast<float>(), T_O_C.linear().cast<float>(),
                      (primitive.T_W_O.linear().transpose() * kToSun_W).cast<float>(), extent});
   }
@@ -116,6 +115,7 @@ class Renderer {
  private:
   void addCandidate(int id) {
     const cv::Rect& box = views_[id].extent.pixels;
+    if (box.empty()) return;
     for (int y = box.y / kTile_px; y <= (box.br().y - 1) / kTile_px; ++y) {
       for (int x = box.x / kTile_px; x <= (box.br().x - 1) / kTile_px; ++x) {
         candidates_[y * tiles_.width + x].push_back(id);
@@ -176,16 +176,49 @@ class Renderer {
       nearest_id = id;
     }
     if (nearest_id == kSkyId) return {};
-    return {nearest_id, nearest.t, shade(views_[nearest_id], nearest, direction_C)};
+    return look(nearest_id, nearest, direction_C);
   }
 
-  float shade(const View& view, const SurfacePoint& surface, const Eigen::Vector3f& direction_C) const {
+  Sample look(int id, const SurfacePoint& surface, const Eigen::Vector3f& direction_C) const {
+    const View& view = views_[id];
     const Eigen::Vector3f direction_O = view.R_O_C * direction_C;
-    const float facing = std::max(-surface.normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
+    const Eigen::Vector3f point_O = view.origin_O + surface.t * direction_O;
+    Sample sample{id, surface.t, shade(view, point_O, surface.normal_O, direction_O, surface.t)};
+    const float mirror = view.primitive->material.mirror;
+    if (mirror == 0.0f) return sample;
+    const Sample image = mirrored(view, point_O, surface, direction_O);
+    sample.id += (image.id + 2) * static_cast<int>(views_.size());  // outlines in the mirror are outlines
+    sample.radiance += mirror * (image.radiance - sample.radiance);
+    return sample;
+  }
+
+  /// What a mirror shows at a point of its own frame: the ray goes on from there. Mirrors in a mirror look dull.
+  Sample mirrored(const View& mirror, const Eigen::Vector3f& point_O, const SurfacePoint& surface,
+                  const Eigen::Vector3f& direction_O) const {
+    const Eigen::Vector3f origin_C = mirror.R_O_C.transpose() * (point_O - mirror.origin_O);
+    const Eigen::Vector3f direction_C =
+        mirror.R_O_C.transpose() * (direction_O - 2.0f * surface.normal_O.dot(direction_O) * surface.normal_O);
+    Sample nearest;
+    nearest.depth_m = std::numeric_limits<float>::infinity();  // beyond the mirror
+    for (const View& view : views_) {
+      if (&view == &mirror) continue;
+      const Eigen::Vector3f origin_V = view.origin_O + view.R_O_C * origin_C, direction_V = view.R_O_C * direction_C;
+      const auto hit = intersect(*view.primitive, origin_V, direction_V);
+      if (!hit || hit->t >= nearest.depth_m) continue;
+      nearest = {static_cast<int>(&view - views_.data()), hit->t,
+                 shade(view, origin_V + hit->t * direction_V, hit->normal_O, direction_V, surface.t + hit->t)};
+    }
+    return nearest;
+  }
+
+  /// Radiance of a matt surface. @param path_m from the camera, along z of C and of its mirror image.
+  float shade(const View& view, const Eigen::Vector3f& point_O, const Eigen::Vector3f& normal_O,
+              const Eigen::Vector3f& direction_O, float path_m) const {
+    const float facing = std::max(-normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
     // Seen aslant the footprint is stretched one way only: the geometric mean of both edges.
-    const float footprint_m = surface.t / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
-    const float light = kAmbient + (1.0f - kAmbient) * std::max(surface.normal_O.dot(view.to_sun_O), 0.0f);
-    return light * reflectance(view.primitive->material, view.origin_O + surface.t * direction_O, footprint_m);
+    const float footprint_m = path_m / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
+    const float light = kAmbient + (1.0f - kAmbient) * std::max(normal_O.dot(view.to_sun_O), 0.0f);
+    return light * reflectance(view.primitive->material, point_O, footprint_m);
   }
 
   const Camera& camera_;

@@ -23,7 +23,8 @@ struct Rendering {
   cv::Mat depth_m;   ///< CV_32FC1, along z of C at the pixels' centres; NaN = sky.
 };
 
-/// Casts rays into the world: textured, Lambert-shaded surfaces before a bright sky, anti-aliased at outlines.
+/// Casts rays into the world: textured, Lambert-shaded surfaces before a bright sky, anti-aliased at outlines. A mirror
+/// adds what it reflects; its depth is its own.
 /// What the camera does not see (Material::camera_sees) is left out.
 Rendering render(const std::vector<Primitive>& primitives, const Camera& camera);
 

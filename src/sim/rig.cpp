@@ -4,6 +4,25 @@
 #include <opencv2/imgproc.hpp>
 
 namespace flight_corridor::sim {
+namespace {
+
+/// Bright, nearly upright and short. Drops are so near that both cameras see different ones: each image draws its own.
+void addStreaks(int count, cv::RNG& random, cv::Mat& radiance) {
+  cv::Mat streaks(radiance.size(), CV_32FC1, cv::Scalar(0.0));
+  for (int i = 0; i < count; ++i) {
+    const double u = random.uniform(0.0, 1.0) * radiance.cols;
+    const double v = random.uniform(0.0, 1.0) * radiance.rows;
+    const double length_px = random.uniform(0.01, 0.06) * radiance.rows;
+    const double lean = random.uniform(-0.15, 0.15);
+    const double brightness = random.uniform(0.1, 0.5);
+    cv::line(streaks, cv::Point(cvRound(u), cvRound(v)),
+             cv::Point(cvRound(u + lean * length_px), cvRound(v + length_px)), brightness);
+  }
+  radiance += streaks;
+}
+
+}  // namespace
+
 Eigen::Matrix3d forwardFromOptical() {
   Eigen::Matrix3d R_B_C;  // columns: the camera's right, down and forward in B
   R_B_C << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -41,12 +60,14 @@ Camera rightCamera(const Rig& rig, const Eigen::Isometry3d& T_W_B) {
 }
 
 cv::Mat expose(const cv::Mat& radiance, const ImageSensor& sensor, std::uint64_t seed) {
-  cv::Mat signal, variance, noise(radiance.size(), CV_32FC1), image;
-  cv::GaussianBlur(radiance, signal, {}, sensor.blur_sigma_px);
+  cv::RNG random(seed);
+  cv::Mat signal = radiance.clone(), variance, noise(radiance.size(), CV_32FC1), image;
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
+  if (sensor.streaks > 0) addStreaks(sensor.streaks, random, signal);
+  cv::GaussianBlur(signal, signal, {}, sensor.blur_sigma_px);
   signal = signal * sensor.gain + sensor.black_level;
   variance = signal * sensor.shot_noise + sensor.read_noise * sensor.read_noise;
   cv::sqrt(variance, variance);
-  cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
   signal += noise.mul(variance);
   signal.convertTo(image, CV_8U);
   return image;

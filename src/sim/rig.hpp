@@ -16,6 +16,7 @@ struct ImageSensor {
   double blur_sigma_px = 0.6;
   double read_noise = 0.8;    ///< Standard deviation in the dark [grey levels].
   double shot_noise = 0.012;  ///< Variance per grey level of signal [grey levels].
+  int streaks = 0;            ///< Rain drops before the lens, drawn out by the exposure.
 };
 
 /// Stereo cameras and the LiDAR's place on the body. The images are made with the true rig; the calibration is what the
@@ -27,6 +28,7 @@ struct Rig {
   double vertical_shift_px = 0.0;    ///< Rows by which the right image is too low.
   Eigen::Isometry3d T_B_C = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_B_L = Eigen::Isometry3d::Identity();
+  double exposure_s = 0.0;  ///< Centred on the stamp; 0 = no motion blur.
   ImageSensor left;
   ImageSensor right;
 };
@@ -44,7 +46,7 @@ void scaleImages(Rig& rig, double factor);
 Camera leftCamera(const Rig& rig, const Eigen::Isometry3d& T_W_B);
 Camera rightCamera(const Rig& rig, const Eigen::Isometry3d& T_W_B);
 
-/// Blur, exposure, read and shot noise, saturation.
+/// Rain streaks, blur, exposure, read and shot noise, saturation.
 /// @param radiance CV_32FC1.  @return CV_8UC1.
 cv::Mat expose(const cv::Mat& radiance, const ImageSensor& sensor, std::uint64_t seed);
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/flight.hpp"
+#include "sim/glare.hpp"
 #include "sim/lidar.hpp"
 #include "sim/rig.hpp"
 #include "sim/world.hpp"
@@ -14,16 +16,36 @@ namespace flight_corridor::sim {
 /// Everything that a simulated recording is made from.
 struct Scene {
   std::vector<Primitive> world;
+  std::optional<Sun> sun;  ///< Absent: not in the image.
   Rig rig;
   LidarModel lidar;
   Flight flight;
 };
 
+/// What a stereo pair can know of a family's corridor.
+enum class Visibility : std::uint8_t {
+  Visible,    ///< What blocks the corridor, and what stands beyond it when nothing does.
+  Unseeable,  ///< Something is blank, black, glass, a mirror, sky or outshone: FREE is never a claim with evidence.
+  Hidden      ///< Neither the camera nor the LiDAR can tell that something is there.
+};
+
+/// "visible", "unseeable" or "hidden".
+const char* toString(Visibility visibility);
+
+/// A family of scenes: one name, many seeds.
+struct Family {
+  std::string name;
+  Visibility visibility;
+};
+
+/// In alphabetical order.
+std::vector<Family> sceneFamilies();
+
+/// Their names, in alphabetical order.
+std::vector<std::string> sceneNames();
+
 /// @param seed varies positions, speeds, textures and exposure.
 /// @throws std::invalid_argument naming the unknown scene and the known ones.
 Scene makeScene(const std::string& name, std::uint64_t seed);
-
-/// Names that makeScene() knows, in alphabetical order.
-std::vector<std::string> sceneNames();
 
 }  // namespace flight_corridor::sim

@@ -6,6 +6,7 @@
 #include "sim/lidar.hpp"
 #include "sim/random.hpp"
 #include "sim/render.hpp"
+#include "sim/shutter.hpp"
 
 namespace flight_corridor::sim {
 namespace {
@@ -60,11 +61,10 @@ Eigen::Isometry3d Simulation::T_W_B(double stamp_s) const { return scene_.flight
 
 StereoFrame Simulation::frame(std::size_t index) const {
   const double stamp_s = frame_times_s_.at(index);
-  const std::vector<Primitive> world = worldAt(stamp_s);
-  const Rendering left = render(world, leftCamera(scene_.rig, T_W_B(stamp_s)));
-  const Rendering right = render(world, rightCamera(scene_.rig, T_W_B(stamp_s)));
-  return {stamp_s, expose(left.radiance, scene_.rig.left, streamSeed(options_.seed, Stream::LeftImage, index)),
-          expose(right.radiance, scene_.rig.right, streamSeed(options_.seed, Stream::RightImage, index))};
+  const cv::Mat left = collectLight(scene_, stamp_s - kFirstStamp_s, leftCamera);
+  const cv::Mat right = collectLight(scene_, stamp_s - kFirstStamp_s, rightCamera);
+  return {stamp_s, expose(left, scene_.rig.left, streamSeed(options_.seed, Stream::LeftImage, index)),
+          expose(right, scene_.rig.right, streamSeed(options_.seed, Stream::RightImage, index))};
 }
 
 std::vector<RangeReading> Simulation::ranges() const {

@@ -19,7 +19,8 @@ struct Material {
   float coarsest_m = 0.64f;       ///< Wavelength of the coarsest octave of the noise.
   std::uint32_t seed = 0;         ///< Of the noise.
   float checker_period_m = 0.0f;  ///< Two fields of a chequered pattern along x, y and z of the object; 0 = none.
-  bool camera_sees = true;        ///< false: glass, to the camera.
+  float mirror = 0.0f;      ///< Share of the camera's light that is a mirror image; the rest is the surface's own.
+  bool camera_sees = true;  ///< false: glass, to the camera.
   LidarReturn lidar_return = LidarReturn::Surface;
 };
 

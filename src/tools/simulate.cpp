@@ -21,6 +21,14 @@ std::string lines(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string familyLines() {
+  std::string text;
+  for (const sim::Family& family : sim::sceneFamilies()) {
+    text += family.name + "," + sim::toString(family.visibility) + "\n";
+  }
+  return text;
+}
+
 std::optional<double> numberIfGiven(const CommandLine& options, const std::string& name) {
   if (!options.given(name)) return std::nullopt;
   return options.number(name, -kInfinity);
@@ -109,6 +117,10 @@ int main(int argc, char** argv) {
       .optional("disparity-offset", "PX", "measured minus true disparity; default: the scene's")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, see --list-lidar-faults", "none")
       .question("list", "print the names of the scenes", [] { return lines(flight_corridor::sim::sceneNames()); })
+      .question(
+          "families",
+          "print NAME,KIND of the scenes: visible, unseeable (FREE has no evidence) or hidden (no sensor can tell)",
+          familyLines)
       .question("list-lidar-faults", "print the names of the LiDAR's faults",
                 [] { return lines(flight_corridor::sim::lidarFaultNames()); })
       .notes("The same options give the same flight.");

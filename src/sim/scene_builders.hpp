@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/random.hpp"
+#include "sim/scenes.hpp"
+
+namespace flight_corridor::sim {
+
+/// How the scenes of a family are made: adds to a scene that has ground, hills, rig and an unplanned flight.
+struct SceneBuilder {
+  const char* name;
+  Visibility visibility;
+  void (*build)(Scene&, Random&);
+};
+
+std::vector<SceneBuilder> structureBuilders();  ///< Walls, gaps, ground: large things.
+std::vector<SceneBuilder> thinBuilders();       ///< Poles, wires, nets, leaves.
+std::vector<SceneBuilder> surfaceBuilders();    ///< What one or both sensors cannot see.
+std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera's motion.
+std::vector<SceneBuilder> rigBuilders();        ///< Calibrations that are wrong.
+std::vector<SceneBuilder> changeBuilders();     ///< What moves, appears and vanishes.
+std::vector<SceneBuilder> placeBuilders();      ///< Forests and houses.
+
+}  // namespace flight_corridor::sim

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "sim/simulation.hpp"
+
+namespace flight_corridor::sim {
+namespace {
+
+Visibility visibilityOf(const std::string& name) {
+  for (const Family& family : sceneFamilies()) {
+    if (family.name == name) return family.visibility;
+  }
+  throw std::invalid_argument(name);
+}
+
+Simulation flightOf(const std::string& scene, std::uint64_t seed) {
+  SimulationOptions options;
+  options.scene = scene;
+  options.seed = seed;
+  options.rate_hz = 10.0;
+  return Simulation(options);
+}
+
+/// Index of the first frame whose corridor is truly blocked.
+std::size_t firstBlocked(const Simulation& simulation) {
+  std::size_t index = 0;
+  while (simulation.truth(index).clear_exact_m == kInfinity) ++index;
+  return index;
+}
+
+/// What the left camera shows of the corridor's far end at 4 m, a few pixels short of its border.
+cv::Mat window(const cv::Mat& image) { return image(cv::Rect(270, 225, 100, 30)); }
+
+TEST(SceneFamilies, AreTheSceneNamesInTheirOrder) {
+  std::vector<std::string> names;
+  for (const Family& family : sceneFamilies()) names.push_back(family.name);
+  EXPECT_EQ(names, sceneNames());
+  EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
+  EXPECT_GE(names.size(), 24u);
+}
+
+TEST(SceneFamilies, SayWhichOnesACameraCannotJudge) {
+  for (const char* name : {"black_wall", "blank_wall", "dazzled", "glass", "mirror", "open_sky"}) {
+    EXPECT_EQ(visibilityOf(name), Visibility::Unseeable) << name;
+  }
+  EXPECT_EQ(visibilityOf("glass_passed"), Visibility::Hidden);
+  for (const char* name : {"dark_wall", "low_light", "low_sun", "wall", "wire"}) {
+    EXPECT_EQ(visibilityOf(name), Visibility::Visible) << name;
+  }
+}
+
+TEST(Scenes, ABlankAndABlackWallShowOnlyNoise) {
+  for (const char* scene : {"blank_wall", "black_wall"}) {
+    const Simulation simulation = flightOf(scene, 1);
+    cv::Scalar mean, std;
+    cv::meanStdDev(window(simulation.frame(firstBlocked(simulation)).left), mean, std);
+    // The sensor's 0.8 in the dark, with shot noise and rounding at most sqrt(0.64 + 0.012 * 170 + 1/12).
+    EXPECT_LT(std[0], 1.7) << scene;
+  }
+}
+
+TEST(Scenes, ADazzledCameraSeesWhiteWhereTheWallIs) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Simulation simulation = flightOf("dazzled", seed);
+    const std::size_t blocked = firstBlocked(simulation);
+    const cv::Mat white = window(simulation.frame(blocked).left) == 255;
+    EXPECT_GT(cv::countNonZero(white), 0.99 * static_cast<double>(white.total())) << seed;
+    EXPECT_LT(cv::countNonZero(simulation.depth(blocked) < 4.5f), 640 * 480);
+  }
+}
+
+TEST(Scenes, ALowSunLeavesTheCorridorUnsaturated) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Simulation simulation = flightOf("low_sun", seed);
+    const cv::Mat left = simulation.frame(firstBlocked(simulation)).left;
+    EXPECT_EQ(cv::countNonZero(window(left) == 255), 0) << seed;
+    EXPECT_GT(cv::countNonZero(left == 255), 1000) << seed;
+  }
+}
+
+TEST(Scenes, AMirrorIsThereForTheLidarAndShowsTheCameraWhatIsBehindIt) {
+  const Simulation simulation = flightOf("mirror", 0);
+  EXPECT_LT(simulation.ranges().front().range_m, 9.0);
+  cv::Scalar mean, std;
+  cv::meanStdDev(window(simulation.frame(0).left), mean, std);
+  EXPECT_GT(std[0], 5.0);  // the house behind, not the steel's own texture of a tenth
+}
+
+TEST(Scenes, APaneThatTheBeamPassesIsThereForNeitherSensor) {
+  const Simulation simulation = flightOf("glass_passed", 0);
+  EXPECT_GT(simulation.ranges().front().range_m, 10.0);
+  EXPECT_GT(simulation.depth(0).at<float>(240, 320), 10.0f);
+  EXPECT_LT(simulation.truth(firstBlocked(simulation)).clear_exact_m, 4.0);
+}
+
+TEST(Scenes, SpeedsReachFromHoveringToFourMetresPerSecond) {
+  double slowest_m_s = kInfinity, fastest_m_s = 0.0;
+  for (const std::string& name : sceneNames()) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const double speed_m_s = makeScene(name, seed).flight.speed_m_s;
+      slowest_m_s = std::min(slowest_m_s, speed_m_s);
+      fastest_m_s = std::max(fastest_m_s, speed_m_s);
+    }
+  }
+  EXPECT_EQ(slowest_m_s, 0.0);
+  EXPECT_GT(fastest_m_s, 3.5);
+  EXPECT_LE(fastest_m_s, 4.0);
+}
+
+}  // namespace
+}  // namespace flight_corridor::sim
