@@ -2,9 +2,6 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
-#include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/Image.h>
-#include <sensor_msgs/Range.h>
 #include <std_msgs/Bool.h>
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -12,60 +9,23 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/types.hpp"
 #include "ros/conversions.hpp"
+#include "support/stereo_inputs.hpp"
 
 namespace {
 
 using flight_corridor::CorridorState;
 
-constexpr double kFocal_px = 350.0, kBaseline_m = 0.12, kWall_m = 2.0;
+constexpr double kWall_m = 2.0;
 constexpr double kPatience_s = 30.0;  // a loaded machine may need seconds for a first answer
 
-/// A textured wall across the view, as one stereo pair with its CameraInfos and a LiDAR reading.
-struct Inputs {
-  sensor_msgs::ImagePtr left, right;
-  sensor_msgs::CameraInfo left_info, right_info;
-  sensor_msgs::Range range;
-
-  Inputs() {
-    const int disparity_px = static_cast<int>(kFocal_px * kBaseline_m / kWall_m);
-    cv::Mat texture(480, 640 + disparity_px, CV_8UC1);
-    cv::RNG random(1);
-    random.fill(texture, cv::RNG::UNIFORM, 0, 255);
-    cv::GaussianBlur(texture, texture, {0, 0}, 1.5);
-    const cv::Rect left_view(0, 0, 640, 480), right_view(disparity_px, 0, 640, 480);
-    left = flight_corridor_ros::toImage({}, texture(left_view), "mono8");
-    right = flight_corridor_ros::toImage({}, texture(right_view), "mono8");
-    left_info = cameraInfo(0.0);
-    right_info = cameraInfo(-kFocal_px * kBaseline_m);
-    range.field_of_view = 0.03f;
-    range.min_range = 0.2f;
-    range.max_range = 100.0f;
-    range.range = static_cast<float>(kWall_m);
-  }
-
-  static sensor_msgs::CameraInfo cameraInfo(double p3) {
-    sensor_msgs::CameraInfo info;
-    info.width = 640;
-    info.height = 480;
-    info.P = {kFocal_px, 0, 319.5, p3, 0, kFocal_px, 239.5, 0, 0, 0, 1, 0};
-    return info;
-  }
-
-  void stamp(const ros::Time& time) {
-    left->header.stamp = right->header.stamp = left_info.header.stamp = right_info.header.stamp = time;
-    left->header.frame_id = right->header.frame_id = "left_optical";
-    left_info.header = left->header;
-    right_info.header = right->header;
-    range.header.stamp = time;
-    range.header.frame_id = "range_link";
-  }
+struct Inputs : flight_corridor_ros::test_support::StereoInputs {
+  Inputs() : StereoInputs(kWall_m) {}
 };
 
 /// Publishes inputs and waits for what the node says to them.
@@ -86,7 +46,7 @@ class NodeInputs : public testing::Test {
     newest_.reset();
     while (ros::ok() && ros::WallTime::now() < deadline) {
       inputs.stamp(ros::Time::now() - ros::Duration(age_s));
-      send(inputs);
+      rig_.send(inputs);
       ros::WallDuration(0.1).sleep();
       ros::spinOnce();
       if (newest_ && condition(*newest_)) return ::testing::AssertionSuccess();
@@ -130,19 +90,7 @@ class NodeInputs : public testing::Test {
     return broadcaster;
   }
 
-  void send(const Inputs& inputs) {
-    range_.publish(inputs.range);
-    left_info_.publish(inputs.left_info);
-    right_info_.publish(inputs.right_info);
-    left_.publish(inputs.left);
-    right_.publish(inputs.right);
-  }
-
-  ros::Publisher left_ = node_.advertise<sensor_msgs::Image>("/stereo/left/image_rect", 5);
-  ros::Publisher right_ = node_.advertise<sensor_msgs::Image>("/stereo/right/image_rect", 5);
-  ros::Publisher left_info_ = node_.advertise<sensor_msgs::CameraInfo>("/stereo/left/camera_info", 5);
-  ros::Publisher right_info_ = node_.advertise<sensor_msgs::CameraInfo>("/stereo/right/camera_info", 5);
-  ros::Publisher range_ = node_.advertise<sensor_msgs::Range>("/range", 5);
+  flight_corridor_ros::test_support::RigTopics rig_;
   ros::Subscriber verdicts_, free_;
 };
 

@@ -1,14 +1,11 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
-#include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <sstream>
 
 #include "flight_corridor/overlay.hpp"
 #include "ros/conversions.hpp"
-#include "ros/map_conversions.hpp"
 
 namespace flight_corridor_ros {
 namespace {
@@ -126,6 +123,33 @@ TEST(ToRange, IsAReadingOfTheLidarAtTheImagesStamp) {
   EXPECT_TRUE(std::isnan(toRange(ros::Time(20), {}, {}, lidar).range));
 }
 
+// --- poses
+
+geometry_msgs::Pose pose(double x, double w) {
+  geometry_msgs::Pose pose;
+  pose.position.x = x;
+  pose.orientation.w = w;
+  return pose;
+}
+
+TEST(ToPose, TurnsAndShifts) {
+  geometry_msgs::Pose left_turn = pose(3.0, std::sqrt(0.5));
+  left_turn.orientation.z = std::sqrt(0.5);
+  EXPECT_TRUE((toPose(left_turn) * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(3, 1, 0)));
+}
+
+TEST(ToPose, IsRigidAlsoWhereTheQuaternionWasRounded) {
+  const Eigen::Matrix3d R = toPose(pose(0.0, 0.995)).linear();
+  EXPECT_TRUE((R * R.transpose()).isIdentity(1e-12));
+}
+
+TEST(ToPose, RefusesWhatIsNoPose) {
+  EXPECT_THROW(toPose(geometry_msgs::Pose()), std::invalid_argument);  // the message's default is no rotation
+  EXPECT_THROW(toPose(pose(0.0, 2.0)), std::invalid_argument);
+  EXPECT_THROW(toPose(pose(0.0, std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(toPose(pose(flight_corridor::kInfinity, 1.0)), std::invalid_argument);
+}
+
 // --- images
 
 TEST(ToGrey, SharesGreyImages) {
@@ -232,6 +256,23 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }
 
+TEST(ToResponse, SpeaksAsTheVerdictDoes) {
+  using flight_corridor::QueryCorridorResponse;
+  const flight_corridor::Verdict verdict{12.5, flight_corridor::State::Blocked, 2.5, 0.25,
+                                         flight_corridor::kOccupiedCell};
+  const QueryCorridorResponse response = toResponse(ros::Time(12, 500000000), verdict);
+  EXPECT_TRUE(response.success);
+  EXPECT_EQ(response.message, "");
+  EXPECT_EQ(response.stamp, ros::Time(12, 500000000));
+  EXPECT_EQ(response.state, QueryCorridorResponse::BLOCKED);
+  EXPECT_EQ(response.clear_distance, 2.5);
+  EXPECT_EQ(response.unknown_fraction, 0.25);
+  EXPECT_EQ(response.reasons, CorridorState::OCCUPIED_CELL);
+  EXPECT_EQ(+QueryCorridorResponse::UNKNOWN, +CorridorState::UNKNOWN);
+  EXPECT_EQ(+QueryCorridorResponse::FREE, +CorridorState::FREE);
+  EXPECT_EQ(+QueryCorridorResponse::BLOCKED, +CorridorState::BLOCKED);
+}
+
 TEST(ToMarker, IsTheBoxInItsStatesColour) {
   flight_corridor::Box box;
   box.T_M_F = flight_corridor::opticalFromForward();
@@ -244,115 +285,6 @@ TEST(ToMarker, IsTheBoxInItsStatesColour) {
   EXPECT_EQ(marker.scale.z, 0.4);
   EXPECT_FLOAT_EQ(marker.color.r * 255.0f,
                   static_cast<float>(flight_corridor::colour(flight_corridor::State::Blocked)[2]));
-}
-
-// --- map
-
-class MapConversions : public testing::Test {
- protected:
-  MapConversions() {
-    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.05f), 2.0f);
-    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.25f), -0.7f);
-    tree.updateNode(octomap::point3d(1.25f, -0.15f, 0.05f), -0.7f);
-    tree.updateNode(octomap::point3d(1.05f, 0.05f, 0.55f), 2.0f);
-  }
-
-  static std::size_t cubes(const visualization_msgs::MarkerArray& array) {
-    std::size_t count = 0;
-    for (const auto& marker : array.markers) count += marker.points.size();
-    return count;
-  }
-
-  octomap::OcTree tree{0.1};
-};
-
-TEST_F(MapConversions, OctomapsCanBeReadBack) {
-  const auto binary = toBinaryOctomap(header("odom"), tree);
-  const auto full = toFullOctomap(header("odom"), tree);
-  octomap::OcTree from_binary(binary.resolution), from_full(full.resolution);
-  std::stringstream binary_data(std::string(binary.data.begin(), binary.data.end()));
-  std::stringstream full_data(std::string(full.data.begin(), full.data.end()));
-  from_binary.readBinaryData(binary_data);
-  from_full.readData(full_data);
-  EXPECT_TRUE(from_full == tree);
-  EXPECT_EQ(from_binary.getNumLeafNodes(), tree.getNumLeafNodes());
-  EXPECT_TRUE(from_binary.isNodeOccupied(from_binary.search(1.05, 0.05, 0.05)));
-  EXPECT_FALSE(from_binary.isNodeOccupied(from_binary.search(1.05, 0.05, 0.25)));
-  EXPECT_TRUE(binary.binary);
-  EXPECT_FALSE(full.binary);
-  EXPECT_EQ(binary.id, "OcTree");
-  EXPECT_EQ(binary.header.frame_id, "odom");
-}
-
-TEST_F(MapConversions, AnEmptyTreeIsAnEmptyOctomap) {
-  const octomap::OcTree empty(0.1);
-  EXPECT_TRUE(toBinaryOctomap(header("odom"), empty).data.empty());
-  EXPECT_TRUE(toProjectedMap(header("odom"), empty, Eigen::Isometry3d::Identity()).data.empty());
-  EXPECT_EQ(toCellCentres(header("odom"), empty).width, 0u);
-}
-
-TEST_F(MapConversions, MarkersHoldEachLeafOnceAtItsSize) {
-  const auto occupied = toMarkers(header("odom"), tree, Cells::Occupied, Eigen::Isometry3d::Identity());
-  const auto free = toMarkers(header("odom"), tree, Cells::Free, Eigen::Isometry3d::Identity());
-  ASSERT_EQ(occupied.markers.size(), tree.getTreeDepth() + 1);
-  EXPECT_EQ(cubes(occupied), 2u);
-  EXPECT_EQ(cubes(free), 2u);
-  const auto& smallest = occupied.markers.back();
-  EXPECT_EQ(smallest.points.size(), 2u);
-  EXPECT_EQ(smallest.colors.size(), 2u);
-  EXPECT_NEAR(smallest.scale.x, 0.1, 1e-9);
-  EXPECT_EQ(smallest.action, visualization_msgs::Marker::ADD);
-  EXPECT_EQ(occupied.markers.front().action, visualization_msgs::Marker::DELETE);
-  EXPECT_NEAR(occupied.markers.front().scale.x, tree.getNodeSize(0), 1e-6);
-  EXPECT_EQ(smallest.id, static_cast<int>(tree.getTreeDepth()));
-}
-
-TEST_F(MapConversions, LowCellsAreBlueAndHighOnesRed) {
-  const auto markers = toMarkers(header("odom"), tree, Cells::Occupied, Eigen::Isometry3d::Identity());
-  const auto& cells = markers.markers.back();
-  for (std::size_t i = 0; i < cells.points.size(); ++i) {
-    EXPECT_EQ(cells.points[i].z<0.3, cells.colors[i].b> cells.colors[i].r) << cells.points[i].z;
-  }
-}
-
-TEST_F(MapConversions, CentresAreThoseOfTheOccupiedCells) {
-  const auto cloud = toCellCentres(header("odom"), tree);
-  ASSERT_EQ(cloud.width * cloud.height, 2u);
-  for (sensor_msgs::PointCloud2ConstIterator<float> x(cloud, "x"); x != x.end(); ++x) EXPECT_NEAR(*x, 1.05, 1e-6);
-}
-
-TEST_F(MapConversions, ProjectedMapTellsOccupiedFreeAndUnknownColumns) {
-  const auto grid = toProjectedMap(header("odom"), tree, Eigen::Isometry3d::Identity());
-  ASSERT_EQ(grid.info.width, 3u);   // x 1.0 to 1.3
-  ASSERT_EQ(grid.info.height, 3u);  // y -0.2 to 0.1
-  EXPECT_NEAR(grid.info.origin.position.x, 1.0, 1e-6);
-  EXPECT_NEAR(grid.info.origin.position.y, -0.2, 1e-6);
-  EXPECT_EQ(grid.data[2 * 3 + 0], 100);
-  EXPECT_EQ(grid.data[0 * 3 + 2], 0);
-  EXPECT_EQ(grid.data[1 * 3 + 1], -1);
-}
-
-TEST_F(MapConversions, ProjectedMapOfACameraFrameLiesLevel) {
-  octomap::OcTree camera_tree(0.1);
-  camera_tree.updateNode(octomap::point3d(0.05f, -0.45f, 2.05f), 2.0f);  // above, 2 m ahead
-  const auto grid = toProjectedMap(header("left"), camera_tree, flight_corridor::opticalFromForward());
-  ASSERT_EQ(grid.data.size(), 1u);
-  EXPECT_EQ(grid.data[0], 100);
-  EXPECT_NEAR(grid.info.origin.position.z, 2.0, 1e-6);
-  EXPECT_NEAR(grid.info.origin.position.y, 0.0, 1e-6);  // at the camera's height
-  EXPECT_NEAR(grid.info.origin.position.x, 0.1, 1e-6);  // the grid's y grows to the left
-}
-
-TEST_F(MapConversions, LargeLeavesFillTheirWholeSquare) {
-  octomap::OcTree pruned(0.1);
-  for (float x : {0.05f, 0.15f}) {
-    for (float y : {0.05f, 0.15f}) {
-      for (float z : {0.05f, 0.15f}) pruned.updateNode(octomap::point3d(x, y, z), 10.0f);
-    }
-  }
-  ASSERT_EQ(pruned.getNumLeafNodes(), 1u);
-  EXPECT_EQ(toProjectedMap(header("odom"), pruned, Eigen::Isometry3d::Identity()).data,
-            std::vector<std::int8_t>(4, 100));
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <future>
+#include <thread>
+#include <utility>
 
 #include "ros/inbox.hpp"
 
@@ -42,6 +45,37 @@ TEST(Inbox, TakingWaitsForAPairOrTheEnd) {
   taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
   inbox.close();
   EXPECT_FALSE(taken.get());
+}
+
+TEST(Inbox, TheTakerDoesErrandsBeforeItTakesAPair) {
+  Inbox inbox{RosConfig()};
+  inbox.put(pairAt(1.0));
+  std::thread::id done_by;
+  inbox.put(Inbox::Errand([&done_by] { done_by = std::this_thread::get_id(); }));
+  EXPECT_TRUE(inbox.take());
+  EXPECT_EQ(done_by, std::this_thread::get_id());
+}
+
+TEST(Inbox, ErrandsAreDoneWithoutAPair) {
+  Inbox inbox{RosConfig()};
+  auto taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
+  Inbox::Errand errand([] {});
+  std::future<void> done = errand.get_future();
+  inbox.put(std::move(errand));
+  EXPECT_EQ(done.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  inbox.close();
+  EXPECT_FALSE(taken.get());
+}
+
+TEST(Inbox, AClosedInboxBreaksThePromiseOfItsErrands) {
+  Inbox inbox{RosConfig()};
+  Inbox::Errand before([] {}), after([] {});
+  std::future<void> before_done = before.get_future(), after_done = after.get_future();
+  inbox.put(std::move(before));
+  inbox.close();
+  inbox.put(std::move(after));
+  EXPECT_THROW(before_done.get(), std::future_error);
+  EXPECT_THROW(after_done.get(), std::future_error);
 }
 
 TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {

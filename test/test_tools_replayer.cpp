@@ -2,12 +2,16 @@
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include "flight_corridor/corridor.hpp"
 #include "ros/conversions.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/csv.hpp"
+#include "tools/map_file.hpp"
 #include "tools/replayer.hpp"
 
 namespace flight_corridor::tools {
@@ -236,6 +240,37 @@ TEST_F(ReplayerTest, RefusedPairsHaveNoProducts) {
   std::vector<bool> has_products;
   Replayer(bag, config).run([&](const Answer& answer) { has_products.push_back(answer.pipeline != nullptr); });
   EXPECT_EQ(has_products, (std::vector<bool>{true, true, true, true, true, true, false}));
+}
+
+/// Each leaf's key, depth and whether it is occupied.
+using Leaves = std::map<std::array<unsigned, 4>, bool>;
+
+Leaves leaves(const octomap::OcTree& tree) {
+  Leaves all;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    const octomap::OcTreeKey key = leaf.getKey();
+    all[{key[0], key[1], key[2], leaf.getDepth()}] = tree.isNodeOccupied(*leaf);
+  }
+  return all;
+}
+
+TEST_F(ReplayerTest, TheLastMapCanBeSavedAndReadBackCellByCell) {
+  writeWall(6);
+  const StereoBagReader bag(path(), {});
+  Replayer replayer(bag, config);
+  EXPECT_EQ(replayer.map().size(), 0u);
+  Leaves of_pipeline;
+  replayer.run([&](const Answer& answer) { of_pipeline = leaves(answer.pipeline->map().tree()); });
+  ASSERT_GT(of_pipeline.size(), 100u);
+  writeMap(folder.path("map.ot"), replayer.map());
+  writeMap(folder.path("map.bt"), replayer.map());
+
+  const std::unique_ptr<octomap::AbstractOcTree> full(octomap::AbstractOcTree::read(folder.path("map.ot")));
+  ASSERT_TRUE(full);
+  EXPECT_TRUE(dynamic_cast<octomap::OcTree&>(*full) == replayer.map());  // also the log-odds
+  octomap::OcTree binary(1.0);
+  ASSERT_TRUE(binary.readBinary(folder.path("map.bt")));
+  EXPECT_EQ(leaves(binary), of_pipeline);
 }
 
 TEST(ReadConfig, OverridesKeysOneByOne) {

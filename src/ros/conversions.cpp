@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kSamePx = 0.01;            // what rounding in a calibration file may differ
 constexpr double kSubpixelStep = 1 / 16.0;  // of StereoSGBM
+constexpr double kUnitNorm = 0.01;          // what rounding in a quaternion typed by hand may differ
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
@@ -64,6 +65,18 @@ cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) try
                               "\", cannot be read as grey: " + error.what());
 }
 
+Eigen::Isometry3d toPose(const geometry_msgs::Pose& message) {
+  const Eigen::Vector3d position(message.position.x, message.position.y, message.position.z);
+  const auto& q = message.orientation;
+  const Eigen::Quaterniond orientation(q.w, q.x, q.y, q.z);
+  if (!position.allFinite()) throw std::invalid_argument("pose: the position is not finite");
+  if (!(std::abs(orientation.norm() - 1.0) <= kUnitNorm)) {
+    throw std::invalid_argument("pose: the orientation is no unit quaternion, its norm is " +
+                                std::to_string(orientation.norm()));
+  }
+  return Eigen::Translation3d(position) * orientation.normalized();
+}
+
 flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
                                          const Eigen::Vector3d& box_size_m, double latency_s) {
   flight_corridor::CorridorState message;
@@ -81,6 +94,17 @@ flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const f
   message.reasons = report.verdict.reasons;
   message.latency = latency_s;
   return message;
+}
+
+flight_corridor::QueryCorridorResponse toResponse(const ros::Time& stamp, const flight_corridor::Verdict& verdict) {
+  flight_corridor::QueryCorridorResponse response;
+  response.success = true;
+  response.stamp = stamp;
+  response.state = static_cast<std::uint8_t>(verdict.state);
+  response.clear_distance = verdict.clear_distance_m;
+  response.unknown_fraction = verdict.unknown_fraction;
+  response.reasons = verdict.reasons;
+  return response;
 }
 
 sensor_msgs::Range toRange(const ros::Time& stamp, const flight_corridor::RangeEstimate& estimate,

@@ -2,6 +2,8 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <flight_corridor/CorridorState.h>
+#include <flight_corridor/QueryCorridor.h>
+#include <geometry_msgs/Pose.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -29,11 +31,17 @@ flight_corridor::RangeReading toReading(const sensor_msgs::Range& message);
 /// @throws std::invalid_argument naming frame and encoding when the encoding is no image or the data is too short.
 cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message);
 
+/// @throws std::invalid_argument unless the position is finite and the orientation a unit quaternion (to 1 %).
+Eigen::Isometry3d toPose(const geometry_msgs::Pose& message);
+
 // Messages out: each takes the header that the data belongs to.
 
 /// @param latency_s from the left image's stamp to now.
 flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
                                          const Eigen::Vector3d& box_size_m, double latency_s);
+
+/// The answer to a question of a box.  @param stamp of the pair that it rests on.
+flight_corridor::QueryCorridorResponse toResponse(const ros::Time& stamp, const flight_corridor::Verdict& verdict);
 
 /// d_K as a reading of the LiDAR.
 /// @param lidar a message of the LiDAR: its frame and beam are the fused range's too.

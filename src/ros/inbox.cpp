@@ -46,10 +46,25 @@ void Inbox::put(const sensor_msgs::ImuConstPtr& imu) {
   imu_.put(imu);
 }
 
+void Inbox::put(Errand errand) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_) return;
+  errands_.push_back(std::move(errand));
+  changed_.notify_one();
+}
+
 std::optional<StereoMessages> Inbox::take() {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [this] { return closed_ || pair_; });
-  return closed_ ? std::nullopt : std::exchange(pair_, std::nullopt);
+  while (true) {
+    changed_.wait(lock, [this] { return closed_ || pair_ || !errands_.empty(); });
+    if (closed_) return std::nullopt;
+    if (errands_.empty()) return std::exchange(pair_, std::nullopt);
+    Errand errand = std::move(errands_.front());
+    errands_.pop_front();
+    lock.unlock();
+    errand();
+    lock.lock();
+  }
 }
 
 std::vector<sensor_msgs::RangeConstPtr> Inbox::takeRanges(const ros::Time& until) {
@@ -70,6 +85,7 @@ sensor_msgs::RangeConstPtr Inbox::newestRange() const {
 void Inbox::close() {
   const std::lock_guard<std::mutex> lock(mutex_);
   closed_ = true;
+  errands_.clear();  // whoever waits for one learns that it will not be done
   changed_.notify_one();
 }
 

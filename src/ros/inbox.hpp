@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -15,17 +16,21 @@
 namespace flight_corridor_ros {
 
 /// What waits for the worker: the newest stereo pair (an older one gives way), the LiDAR's and the imu's readings (none
-/// gets lost). Any thread may put; one thread takes.
+/// gets lost), and errands. Any thread may put; one thread takes.
 class Inbox {
  public:
+  using Errand = std::packaged_task<void()>;
+
   /// @param config range_queue and imu_queue: without a taker, the newest readings that are kept.
   explicit Inbox(const RosConfig& config) : ranges_(config.range_queue), imu_(config.imu_queue) {}
 
   void put(const StereoMessages& pair);
   void put(const sensor_msgs::RangeConstPtr& range);
   void put(const sensor_msgs::ImuConstPtr& imu);
+  /// Work that the taker shall do while it takes, before the next pair; destroyed undone when closed.
+  void put(Errand errand);
 
-  /// Waits for a pair.  @return nullopt when closed.
+  /// Waits for a pair and does the errands that come meanwhile.  @return nullopt when closed.
   std::optional<StereoMessages> take();
   /// The readings not after a stamp, in the order of arrival; later ones wait for a later pair.
   std::vector<sensor_msgs::RangeConstPtr> takeRanges(const ros::Time& until);
@@ -56,6 +61,7 @@ class Inbox {
   std::condition_variable changed_;
   bool closed_ = false;
   std::optional<StereoMessages> pair_;
+  std::deque<Errand> errands_;
   Readings<sensor_msgs::RangeConstPtr> ranges_;
   Readings<sensor_msgs::ImuConstPtr> imu_;
 };

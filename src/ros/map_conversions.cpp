@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 
 namespace flight_corridor_ros {
 
@@ -97,6 +98,15 @@ void fill(nav_msgs::OccupancyGrid& grid, const Eigen::Vector2i& first, int count
 }
 
 }  // namespace
+
+Eigen::AlignedBox3d toBox(const octomap_msgs::BoundingBoxQueryRequest& request) {
+  Eigen::Vector3d min, max;
+  tf2::fromMsg(request.min, min);
+  tf2::fromMsg(request.max, max);
+  const bool sane = min.allFinite() && max.allFinite() && (min.array() <= max.array()).all();
+  if (!sane) throw std::invalid_argument("box: min and max must be finite, and max nowhere below min");
+  return {min, max};
+}
 
 octomap_msgs::Octomap toBinaryOctomap(const std_msgs::Header& header, const octomap::OcTree& tree) {
   return toOctomap(header, tree, true, [&tree](std::ostream& stream) { tree.writeBinaryData(stream); });

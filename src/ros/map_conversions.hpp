@@ -2,6 +2,7 @@
 
 #include <nav_msgs/OccupancyGrid.h>
 #include <octomap/OcTree.h>
+#include <octomap_msgs/BoundingBoxQuery.h>
 #include <octomap_msgs/Octomap.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
@@ -13,6 +14,9 @@ namespace flight_corridor_ros {
 
 // The octree as octomap_server names and types it. `header` is the map's; T_M_G turns a frame G with z up at the map's
 // origin into the map's frame M (identity for a fixed frame, opticalFromForward() for the camera's).
+
+/// @throws std::invalid_argument unless both corners are finite and max is nowhere below min.
+Eigen::AlignedBox3d toBox(const octomap_msgs::BoundingBoxQueryRequest& request);
 
 /// Free, occupied and unknown only.
 octomap_msgs::Octomap toBinaryOctomap(const std_msgs::Header& header, const octomap::OcTree& tree);

@@ -31,6 +31,8 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
       answered_wall_s_(wallSeconds()),
+      services_(private_node, transforms_, inbox_, processor_,
+                [this](const ros::Time& stamp) { return silence() <= config_.ros.watchdog_s && isFresh(stamp); }),
       stereo_(node, config_.ros, [this](const StereoMessages& pair) { receive(pair); }),
       range_(ros::NodeHandle(node).subscribe<sensor_msgs::Range>(
           "range", static_cast<std::uint32_t>(config_.ros.range_queue),
@@ -101,8 +103,11 @@ bool Node::isFresh(const ros::Time& stamp) {
   return false;
 }
 
+/// Wall time since the last verdict: a stopped /clock makes nothing old [s].
+double Node::silence() const { return wallSeconds() - answered_wall_s_; }
+
 void Node::guard() {
-  const double silent_s = wallSeconds() - answered_wall_s_;
+  const double silent_s = silence();
   if (silent_s <= config_.ros.watchdog_s) return;
   std_msgs::Header header;
   header.stamp = ros::Time::now();

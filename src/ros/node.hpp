@@ -15,13 +15,14 @@
 #include "ros/params.hpp"
 #include "ros/processor.hpp"
 #include "ros/publishers.hpp"
+#include "ros/services.hpp"
 #include "ros/stereo_subscriber.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
 
-/// The pipeline on ROS topics. Three threads: callbacks fill the inbox, one worker owns the pipeline, and a watchdog
-/// publishes UNKNOWN while no verdict comes.
+/// The pipeline on ROS topics and services. Three threads: callbacks fill the inbox, one worker owns the pipeline, and
+/// a watchdog publishes UNKNOWN while no verdict comes.
 class Node {
  public:
   /// @throws std::invalid_argument listing everything that is wrong with the parameters.
@@ -36,6 +37,7 @@ class Node {
   void answer(const StereoMessages& pair);
   void publish(const std_msgs::Header& header, const flight_corridor::Report& report);
   bool isFresh(const ros::Time& stamp);
+  double silence() const;
   void guard();
 
   const NodeConfig config_;
@@ -50,6 +52,7 @@ class Node {
   std::string camera_frame_;  // for the watchdog
   std::atomic<double> answered_wall_s_;
 
+  Services services_;
   StereoSubscriber stereo_;
   ros::Subscriber range_, imu_;
   Heartbeat watchdog_;

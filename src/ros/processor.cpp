@@ -39,17 +39,32 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   const auto right = readImage(pair.right);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
   has_products_ = !(report_.verdict.reasons & kRefused);
+  if (has_products_) map_header_ = headerOfMap(header);
   return report_;
+}
+
+void Processor::reset() {
+  if (rig_) rig_->reset();
+  has_products_ = false;
+  report_ = refusal({}, flight_corridor::kNoData);
+  map_header_.stamp = newest_stamp_ = ros::Time();
+}
+
+void Processor::clear(const Eigen::AlignedBox3d& box_M) {
+  if (rig_) rig_->clear(box_M);
+}
+
+std_msgs::Header Processor::headerOfMap(const std_msgs::Header& left) const {
+  std_msgs::Header header = left;
+  if (!config_.core.map.frame_id.empty()) header.frame_id = config_.core.map.frame_id;
+  return header;
 }
 
 void Processor::forgetWhenTimeJumpsBack(const ros::Time& stamp) {
   const double back_s = newest_stamp_.toSec() - stamp.toSec();
   if (back_s <= kLongestDelay_s) return;
-  if (rig_) {
-    ROS_INFO("time jumped back by %.3f s: starting anew", back_s);
-    rig_->reset();
-  }
-  newest_stamp_ = stamp;
+  if (rig_) ROS_INFO("time jumped back by %.3f s: starting anew", back_s);
+  reset();
 }
 
 /// Readings up to an image. Accelerations first: ranges need them to be predicted.

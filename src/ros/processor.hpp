@@ -25,14 +25,29 @@ class Processor {
         transforms_(transforms),
         inbox_(inbox),
         rig_(config.core, transforms),
-        accelerometer_(config.ros.gravity_frame, transforms) {}
+        accelerometer_(config.ros.gravity_frame, transforms),
+        empty_map_(config.core.map.resolution_m) {}
 
   /// The verdict for one pair; a stamp more than a second before the newest pair's starts everything anew, a smaller
   /// step back is refused.
   const flight_corridor::Report& process(const StereoMessages& pair);
 
+  /// Forgets everything that was seen; the next pair may have any stamp.
+  void reset();
+
+  /// Makes a box of the map unknown, in the map's frame.
+  void clear(const Eigen::AlignedBox3d& box_M);
+
   /// Holds the last pair's products; null when that pair was refused and has none.
-  flight_corridor::Pipeline* products() { return has_products_ ? &*rig_ : nullptr; }
+  flight_corridor::Pipeline* products() { return has_products_ ? pipeline() : nullptr; }
+  /// Of the present rig; null before its first pair.
+  flight_corridor::Pipeline* pipeline() { return rig_ ? &*rig_ : nullptr; }
+  /// The answer to the last pair.
+  const flight_corridor::Report& report() const { return report_; }
+  /// Empty before the first pair.
+  const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
+  /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
+  const std_msgs::Header& mapHeader() const { return map_header_; }
   /// The last pair's left image, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
   /// Of the present pipeline; all 0 without one.
@@ -40,6 +55,7 @@ class Processor {
 
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);
+  std_msgs::Header headerOfMap(const std_msgs::Header& left) const;
   void addReadings(const std_msgs::Header& header);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
   cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message);
@@ -49,7 +65,9 @@ class Processor {
   Inbox& inbox_;
   RigPipeline rig_;
   Accelerometer accelerometer_;
-  flight_corridor::Report report_;
+  const octomap::OcTree empty_map_;
+  std_msgs::Header map_header_;
+  flight_corridor::Report report_ = refusal({}, flight_corridor::kNoData);
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
   bool has_products_ = false;
   ros::Time newest_stamp_;

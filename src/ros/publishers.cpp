@@ -12,6 +12,7 @@
 
 #include "flight_corridor/overlay.hpp"
 #include "ros/conversions.hpp"
+#include "ros/costmap_clouds.hpp"
 #include "ros/map_conversions.hpp"
 
 namespace flight_corridor_ros {
@@ -31,6 +32,8 @@ Publishers::Publishers(const ros::NodeHandle& private_node, const flight_corrido
   advertise("free", std_msgs::Bool());
   advertise("range_fused", sensor_msgs::Range());
   advertise("points", sensor_msgs::PointCloud2());
+  advertise("obstacles", sensor_msgs::PointCloud2());
+  advertise("clearing", sensor_msgs::PointCloud2());
   advertise("disparity", stereo_msgs::DisparityImage());
   advertise("depth/image_rect", sensor_msgs::Image());
   advertise("depth/camera_info", sensor_msgs::CameraInfo());
@@ -69,6 +72,14 @@ void Publishers::publishProducts(const sensor_msgs::CameraInfo& left_info, const
   publishImages(left_info, header, left, pipeline, report);
   publish("points", [&] { return toPointCloud(header, pipeline.cloud()); });
   publishMap(header, pipeline, report);
+  publishForCostmap(header, pipeline);
+}
+
+void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipeline& pipeline) {
+  const flight_corridor::MapConfig& config = pipeline.config().map;
+  publish("obstacles",
+          [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
+  publish("clearing", [&] { return toClearing(header, pipeline.depth().filled_m, pipeline.geometry(), config); });
 }
 
 void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header,

@@ -15,6 +15,7 @@
 #include "ros/conversions.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/map_file.hpp"
 #include "tools/new_bag.hpp"
 #include "tools/pictures.hpp"
 #include "tools/replayer.hpp"
@@ -122,7 +123,7 @@ cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
 /// @throws std::runtime_error when an output would overwrite the bag that is being read.
 void keepInput(const CommandLine& options) {
   namespace fs = std::filesystem;
-  for (const char* output : {"csv", "out", "video"}) {
+  for (const char* output : {"csv", "out", "map", "video"}) {
     std::error_code neither_exists;
     if (options.given(output) && fs::equivalent(options.text("bag"), options.text(output), neither_exists)) {
       throw std::runtime_error("--" + std::string(output) + " " + options.text(output) + ": is the bag to read");
@@ -140,12 +141,17 @@ int replay(const CommandLine& options) {
   std::optional<VerdictBag> verdicts;
   if (options.given("out")) verdicts.emplace(options.text("out"), config.core.corridor);
 
-  writeResults(options.text("csv"), {});  // fails now rather than after the work
+  Replayer replayer(bag, config);
+  const auto saveMap = [&] {
+    if (options.given("map")) writeMap(options.text("map"), replayer.map());
+  };
+  saveMap();  // fails now rather than after the work
+  writeResults(options.text("csv"), {});
 
   std::vector<ResultRow> rows;
   std::vector<Change> changes;
   Progress progress("replay", bag.leftImages());
-  Replayer(bag, config).run([&](const Answer& answer) {
+  replayer.run([&](const Answer& answer) {
     const ResultRow row = resultRow(answer.messages.left->header.stamp, answer.report);
     if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
     if (answer.pipeline)
@@ -156,6 +162,7 @@ int replay(const CommandLine& options) {
   });
   requirePairs(rows, bag, path);
   writeResults(options.text("csv"), rows);
+  saveMap();
   if (verdicts) verdicts->close();
 
   std::printf("%s: %zu stereo pairs\n", path.c_str(), rows.size());
@@ -176,6 +183,7 @@ int main(int argc, char** argv) {
       .optional("config", "C.yaml", "configuration of the node; default: its defaults")
       .repeatable("set", "key=value", "overrides one key, e.g. map/frame_id=odom")
       .optional("out", "G.bag", "bag to write: the verdicts as messages")
+      .optional("map", "M.ot", "file for the last map: .ot with log-odds, .bt with free, occupied and unknown only")
       .optional("overlays", "DIR", "folder for overlay pictures, one at each change of verdict")
       .optional("overlay-every", "N", "... and one at every N frames", "0")
       .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")

@@ -36,6 +36,9 @@ class Replayer {
   /// Processes the whole bag, in the order of recording.
   void run(const std::function<void(const Answer& answer)>& on_answer);
 
+  /// What the newest pair left of the map; empty when none entered it.
+  const octomap::OcTree& map() { return processor_.map(); }
+
  private:
   const StereoBagReader& bag_;
   flight_corridor_ros::NodeConfig config_;

@@ -1,0 +1,107 @@
+#include "ros/services.hpp"
+
+#include <chrono>
+#include <future>
+#include <stdexcept>
+#include <utility>
+
+#include "ros/conversions.hpp"
+#include "ros/map_conversions.hpp"
+
+namespace flight_corridor_ros {
+
+namespace {
+
+using flight_corridor::QueryCorridor;
+using flight_corridor::QueryCorridorRequest;
+using flight_corridor::QueryCorridorResponse;
+
+constexpr std::chrono::seconds kPatience(5);  // no pair takes so long: the taker hangs
+
+/// Does work in the thread of the inbox's taker and waits for its result.
+/// @throws what the work throws; std::runtime_error when the taker hangs or has ended.
+template <typename Work>
+auto inTakersThread(Inbox& inbox, Work work) {
+  std::packaged_task<decltype(work())()> task(std::move(work));
+  auto result = task.get_future();
+  inbox.put(Inbox::Errand(std::move(task)));
+  if (result.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("the node is stuck");
+  return result.get();
+}
+
+}  // namespace
+
+Services::Services(const ros::NodeHandle& private_node, const Transforms& transforms, Inbox& inbox,
+                   Processor& processor, IsFresh is_fresh)
+    : node_(private_node),
+      transforms_(transforms),
+      inbox_(inbox),
+      processor_(processor),
+      is_fresh_(std::move(is_fresh)) {
+  offer<std_srvs::Empty>("reset", &Services::reset);
+  offer<octomap_msgs::BoundingBoxQuery>("clear_bbx", &Services::clear);
+  offer<octomap_msgs::GetOctomap>("octomap_binary", &Services::binaryOctomap);
+  offer<octomap_msgs::GetOctomap>("octomap_full", &Services::fullOctomap);
+  offer<QueryCorridor>("query_corridor", &Services::queryCorridor);
+}
+
+template <typename Service>
+void Services::offer(const std::string& name, Answer<Service> answer) {
+  using Request = typename Service::Request;
+  using Response = typename Service::Response;
+  servers_.push_back(
+      node_.advertiseService<Request, Response>(name, [this, answer](const Request& request, Response& response) {
+        response = inTakersThread(inbox_, [this, answer, request] { return (this->*answer)(request); });
+        return true;
+      }));
+}
+
+std_srvs::EmptyResponse Services::reset(const std_srvs::EmptyRequest&) {
+  processor_.reset();
+  return {};
+}
+
+octomap_msgs::BoundingBoxQueryResponse Services::clear(const octomap_msgs::BoundingBoxQueryRequest& request) {
+  processor_.clear(toBox(request));
+  return {};
+}
+
+octomap_msgs::GetOctomapResponse Services::binaryOctomap(const octomap_msgs::GetOctomapRequest&) {
+  octomap_msgs::GetOctomapResponse response;
+  response.map = toBinaryOctomap(processor_.mapHeader(), processor_.map());
+  return response;
+}
+
+octomap_msgs::GetOctomapResponse Services::fullOctomap(const octomap_msgs::GetOctomapRequest&) {
+  octomap_msgs::GetOctomapResponse response;
+  response.map = toFullOctomap(processor_.mapHeader(), processor_.map());
+  return response;
+}
+
+QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& request) try {
+  const ros::Time stamp = processor_.mapHeader().stamp;
+  const auto* pipeline = processor_.pipeline();
+  if (!pipeline || stamp.isZero())
+    return toResponse(stamp, refusal(stamp, processor_.report().verdict.reasons).verdict);
+  const flight_corridor::Box box = boxOf(request);
+  if (!is_fresh_(stamp)) return toResponse(stamp, refusal(stamp, flight_corridor::kNoData).verdict);
+  return toResponse(stamp, pipeline->query(box));
+} catch (const std::invalid_argument& error) {
+  QueryCorridorResponse response = toResponse(processor_.mapHeader().stamp, {});
+  response.success = false;
+  response.message = error.what();
+  return response;
+}
+
+flight_corridor::Box Services::boxOf(const QueryCorridorRequest& request) const {
+  const std_msgs::Header& map = processor_.mapHeader();
+  const std::string& frame = request.pose.header.frame_id;
+  const auto T_M_P = transforms_.find(map.frame_id, frame, map.stamp);
+  if (!T_M_P) {
+    throw std::invalid_argument("tf knows no pose of \"" + frame + "\" in \"" + map.frame_id + "\" at " +
+                                std::to_string(map.stamp.toSec()));
+  }
+  return {*T_M_P * toPose(request.pose.pose), {request.length, request.width, request.height}};
+}
+
+}  // namespace flight_corridor_ros

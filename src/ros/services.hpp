@@ -1,0 +1,50 @@
+#pragma once
+
+#include <flight_corridor/QueryCorridor.h>
+#include <octomap_msgs/BoundingBoxQuery.h>
+#include <octomap_msgs/GetOctomap.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Empty.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ros/inbox.hpp"
+#include "ros/processor.hpp"
+#include "ros/transforms.hpp"
+
+namespace flight_corridor_ros {
+
+/// The node's private services. The inbox's taker answers, between two pairs: what is asked never meets a map in the
+/// making and waits for one pair at most, also when none come. What an answer throws is the caller's error message.
+class Services {
+ public:
+  using IsFresh = std::function<bool(const ros::Time& stamp)>;
+
+  /// @param is_fresh whether what a pair of this stamp showed may still be called free; asked in the taker's thread.
+  Services(const ros::NodeHandle& private_node, const Transforms& transforms, Inbox& inbox, Processor& processor,
+           IsFresh is_fresh);
+
+ private:
+  template <typename Service>
+  using Answer = typename Service::Response (Services::*)(const typename Service::Request& request);
+  template <typename Service>
+  void offer(const std::string& name, Answer<Service> answer);
+
+  std_srvs::EmptyResponse reset(const std_srvs::EmptyRequest& request);
+  octomap_msgs::BoundingBoxQueryResponse clear(const octomap_msgs::BoundingBoxQueryRequest& request);
+  octomap_msgs::GetOctomapResponse binaryOctomap(const octomap_msgs::GetOctomapRequest& request);
+  octomap_msgs::GetOctomapResponse fullOctomap(const octomap_msgs::GetOctomapRequest& request);
+  flight_corridor::QueryCorridorResponse queryCorridor(const flight_corridor::QueryCorridorRequest& request);
+  flight_corridor::Box boxOf(const flight_corridor::QueryCorridorRequest& request) const;
+
+  ros::NodeHandle node_;
+  const Transforms& transforms_;
+  Inbox& inbox_;
+  Processor& processor_;
+  IsFresh is_fresh_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace flight_corridor_ros
