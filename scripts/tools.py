@@ -1,23 +1,46 @@
 """Where the built programs are, and how scripts run them."""
 
+import functools
+import hashlib
 import pathlib
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PROGRAMS = ROOT / ".build" / "ws" / "devel" / "lib" / "flight_corridor"
+LIBRARIES = ROOT / ".build" / "ws" / "devel" / "lib"
+PROGRAMS = LIBRARIES / "flight_corridor"
 
 
 class ToolError(Exception):
     """A program failed; the text is what it said last."""
 
 
-def run_tool(name, *arguments):
-    """Runs a program quietly.  @return what it printed."""
+def find_tool(name):
     program = PROGRAMS / name
     if not program.exists():
         raise ToolError(f"{program} is not built: run ./scripts/setup")
-    done = subprocess.run([str(program), *arguments], capture_output=True, text=True, check=False)
+    return program
+
+
+def run_tool(name, *arguments):
+    """Runs a program quietly.  @return what it printed."""
+    done = subprocess.run([str(find_tool(name)), *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-        raise ToolError(last[0])
+        said = [line for line in done.stderr.splitlines() if line.startswith(f"{name}: ")]
+        raise ToolError(said[-1] if said else f"{name}: exit code {done.returncode}")
     return done.stdout
+
+
+def digest(*parts):
+    """A short name for texts and the bytes of files: it changes when any of them does."""
+    sha = hashlib.sha256()
+    for part in parts:
+        data = part.read_bytes() if isinstance(part, pathlib.Path) else str(part).encode()
+        sha.update(len(data).to_bytes(8, "big") + data)
+    return sha.hexdigest()[:16]
+
+
+@functools.lru_cache(maxsize=None)
+def tool_digest(name, *libraries):
+    """A short name for a program as it is built, and for those libraries of ours that decide what it does."""
+    files = [LIBRARIES / f"lib{library}.so" for library in libraries]
+    return digest(find_tool(name), *[file for file in files if file.exists()])  # a static one is in the program

@@ -14,13 +14,14 @@ const TruthRow kBorderlineTruth{{}, kInfinity, kInfinity, 3.9};
 /// One recording, a frame every 0.1 s.
 class Recording {
  public:
-  Recording& add(TruthRow truth, State said, double clear_distance_m = kInfinity) {
+  Recording& add(TruthRow truth, State said, double clear_distance_m = kInfinity, double total_ms = 0.0) {
     truth.stamp = ros::Time(100, 100000000u * static_cast<unsigned>(truth_.size()));
     truth_.push_back(truth);
     ResultRow result;
     result.stamp = truth.stamp;
     result.state = said;
     result.clear_distance_m = clear_distance_m;
+    result.times.total_ms = total_ms;
     results_.push_back(result);
     return *this;
   }
@@ -73,6 +74,14 @@ TEST(Score, MeasuresDistanceOnlyWhereBothSayBlockedAtADistance) {
                           .add(kFreeTruth, State::Blocked, 1.0)
                           .score();
   EXPECT_EQ(score.distance_errors_m, std::vector<double>{0.25});
+}
+
+TEST(Score, KeepsWhatEachAnswerCost) {
+  const Score score = Recording()
+                          .add(kFreeTruth, State::Free, kInfinity, 20.0)
+                          .add(kBorderlineTruth, State::Free, kInfinity, 30.0)
+                          .score();
+  EXPECT_EQ(score.frame_times_ms, (std::vector<double>{20.0, 30.0}));
 }
 
 TEST(Score, TimesTheReactionToEachChangeOfTruth) {
@@ -148,12 +157,62 @@ TEST(Score, RefusesResultsOfAnotherRecording) {
   EXPECT_THROW(recording.score(), std::runtime_error);
 }
 
-// Published example: 10 of 100 has the Wilson interval [0.0552, 0.1744]; 0 of n ends at z^2/(n + z^2).
-TEST(WilsonUpperBound, AgreesWithClosedForms) {
-  EXPECT_NEAR(wilsonUpperBound(10, 100), 0.1744, 5e-5);
-  EXPECT_NEAR(wilsonUpperBound(0, 100), 3.8415 / 103.8415, 1e-6);
-  EXPECT_NEAR(wilsonUpperBound(100, 100), 1.0, 1e-12);
-  EXPECT_TRUE(std::isnan(wilsonUpperBound(0, 0)));
+TEST(Summarise, TellsAppearanceFromDisappearance) {
+  const Score score = Recording()
+                          .add(kFreeTruth, State::Free)
+                          .add(kBlockedTruth, State::Free)
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kFreeTruth, State::Blocked)
+                          .add(kFreeTruth, State::Unknown)
+                          .add(kFreeTruth, State::Free)
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kFreeTruth, State::Blocked)
+                          .score();
+  const ReactionSummary appearance = summarise(score.reactions, State::Blocked);
+  EXPECT_EQ(appearance.changes, 2);
+  EXPECT_EQ(appearance.missed, 0);
+  EXPECT_NEAR(appearance.median_s, 0.05, 1e-9);
+  EXPECT_NEAR(appearance.longest_s, 0.1, 1e-9);
+  EXPECT_EQ(appearance.longest_frames, 1);
+  const ReactionSummary disappearance = summarise(score.reactions, State::Free);
+  EXPECT_EQ(disappearance.changes, 2);
+  EXPECT_EQ(disappearance.missed, 1);
+  EXPECT_NEAR(disappearance.longest_s, 0.2, 1e-9);
+  EXPECT_EQ(disappearance.longest_frames, 2);
+}
+
+TEST(Summarise, HasNoDelayWithoutAChange) {
+  const ReactionSummary summary = summarise({}, State::Blocked);
+  EXPECT_EQ(summary.changes, 0);
+  EXPECT_TRUE(std::isnan(summary.median_s));
+  EXPECT_TRUE(std::isnan(summary.longest_s));
+}
+
+// Newcombe 1998, Statistics in Medicine 17, table I, method 3: 81/263, 15/148, 0/20 and 1/29.
+TEST(WilsonInterval, AgreesWithPublishedExamples) {
+  EXPECT_NEAR(wilsonInterval(81, 263).lower, 0.2553, 5e-5);
+  EXPECT_NEAR(wilsonInterval(81, 263).upper, 0.3662, 5e-5);
+  EXPECT_NEAR(wilsonInterval(15, 148).lower, 0.0624, 5e-5);
+  EXPECT_NEAR(wilsonInterval(15, 148).upper, 0.1605, 5e-5);
+  EXPECT_NEAR(wilsonInterval(0, 20).upper, 0.1611, 5e-5);
+  EXPECT_NEAR(wilsonInterval(1, 29).lower, 0.0061, 5e-5);
+  EXPECT_NEAR(wilsonInterval(1, 29).upper, 0.1718, 5e-5);
+}
+
+TEST(WilsonInterval, NoneAndAllEndInClosedForms) {
+  const double z2_over = 3.841459 / 103.841459;  // z^2 / (n + z^2) at n = 100
+  EXPECT_NEAR(wilsonInterval(0, 100).lower, 0.0, 1e-12);
+  EXPECT_NEAR(wilsonInterval(0, 100).upper, z2_over, 1e-6);
+  EXPECT_NEAR(wilsonInterval(100, 100).lower, 1.0 - z2_over, 1e-6);
+  EXPECT_NEAR(wilsonInterval(100, 100).upper, 1.0, 1e-12);
+  EXPECT_TRUE(std::isnan(wilsonInterval(0, 0).lower));
+  EXPECT_TRUE(std::isnan(wilsonInterval(0, 0).upper));
+}
+
+TEST(WilsonInterval, OfTheRestIsTheMirrorImage) {
+  for (const int count : {1, 7, 40, 99}) {
+    EXPECT_NEAR(wilsonInterval(count, 100).lower, 1.0 - wilsonInterval(100 - count, 100).upper, 1e-12) << count;
+  }
 }
 
 TEST(Statistics, VarianceDividesByOneLessThanTheCount) {

@@ -1,7 +1,11 @@
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tools/command_line.hpp"
 #include "tools/score.hpp"
@@ -25,18 +29,26 @@ Score scoreRecordings(const std::vector<std::string>& results, const std::vector
   return score;
 }
 
-std::vector<double> delays(const Score& score) {
-  std::vector<double> delays_s;
-  for (const Reaction& reaction : score.reactions) {
-    if (reaction.delay_s == reaction.delay_s) delays_s.push_back(reaction.delay_s);
-  }
-  return delays_s;
-}
-
 void printShare(const char* what, int count, int total) {
   const double share = total > 0 ? 100.0 * count / total : kNaN;
-  std::printf("  %-26s %6d of %6d  %6.2f %%  (95 %% upper bound %.2f %%)\n", what, count, total, share,
-              100.0 * wilsonUpperBound(count, total));
+  const Interval interval = wilsonInterval(count, total);
+  std::printf("  %-26s %6d of %6d  %6.2f %%  (95 %% interval %.2f to %.2f %%)\n", what, count, total, share,
+              100.0 * interval.lower, 100.0 * interval.upper);
+}
+
+void printReactions(const char* what, const ReactionSummary& summary) {
+  if (summary.changes == 0) return;
+  std::printf("  %-26s median %.3f s, longest %.3f s (%d frames), %d of %d missed\n", what, summary.median_s,
+              summary.longest_s, summary.longest_frames, summary.missed, summary.changes);
+}
+
+void printReaction(const Reaction& reaction) {
+  std::printf("  truth became %-7s at %s: ", toString(reaction.truth), formatStamp(reaction.stamp).c_str());
+  if (std::isnan(reaction.delay_s)) {
+    std::printf("verdict never followed (%d frames)\n", reaction.delay_frames);
+  } else {
+    std::printf("verdict followed after %.3f s (%d frames)\n", reaction.delay_s, reaction.delay_frames);
+  }
 }
 
 void printTable(const Score& score) {
@@ -49,29 +61,63 @@ void printTable(const Score& score) {
   printShare("UNKNOWN of truly free", score.unknown_of_free, score.free);
   std::printf("  distance error: median %.3f m, p95 %.3f m (%zu frames)\n", quantile(score.distance_errors_m, 0.5),
               quantile(score.distance_errors_m, 0.95), score.distance_errors_m.size());
-  for (const Reaction& reaction : score.reactions) {
-    std::printf("  truth became %-7s at %s: ", toString(reaction.truth), formatStamp(reaction.stamp).c_str());
-    if (reaction.delay_s == reaction.delay_s) {
-      std::printf("verdict followed after %.3f s (%d frames)\n", reaction.delay_s, reaction.delay_frames);
-    } else {
-      std::printf("verdict never followed (%d frames)\n", reaction.delay_frames);
-    }
-  }
+  printReactions("appearance to BLOCKED", summarise(score.reactions, State::Blocked));
+  printReactions("disappearance to FREE", summarise(score.reactions, State::Free));
+  for (const Reaction& reaction : score.reactions) printReaction(reaction);
 }
 
+/// One line of --csv: each cell beside its column's name.
+class CsvLine {
+ public:
+  void count(const std::string& name, long value) { add(name, std::to_string(value)); }
+  void number(const std::string& name, double value) {
+    std::array<char, 64> text;
+    std::snprintf(text.data(), text.size(), "%.6f", value);
+    add(name, std::isnan(value) ? "nan" : text.data());  // printf may write "-nan"
+  }
+  void share(const std::string& name, int value, int total) {
+    const Interval interval = wilsonInterval(value, total);
+    count(name, value);
+    number(name + "_lower", interval.lower);
+    number(name + "_upper", interval.upper);
+  }
+  void reactions(const std::string& name, const ReactionSummary& summary) {
+    count(name + "_changes", summary.changes);
+    count(name + "_missed", summary.missed);
+    number(name + "_median_s", summary.median_s);
+    number(name + "_longest_s", summary.longest_s);
+    count(name + "_longest_frames", summary.longest_frames);
+  }
+  void print() const { std::printf("%s\n%s\n", header_.c_str(), cells_.c_str()); }
+
+ private:
+  void add(const std::string& name, const std::string& cell) {
+    const char* separator = header_.empty() ? "" : ",";
+    header_ += separator + name;
+    cells_ += separator + cell;
+  }
+
+  std::string header_, cells_;
+};
+
 void printCsv(const Score& score) {
-  const std::vector<double> delays_s = delays(score);
-  std::printf(
-      "blocked,free,borderline,unanswered,unanswered_blocked,false_free,false_free_upper,false_block,false_block_upper,"
-      "unknown_of_blocked,"
-      "unknown_of_free,distance_error_median_m,distance_error_p95_m,changes,changes_missed,reaction_median_s,"
-      "reaction_max_s\n");
-  std::printf("%d,%d,%d,%d,%d,%d,%.6f,%d,%.6f,%d,%d,%.4f,%.4f,%zu,%zu,%.4f,%.4f\n", score.blocked, score.free,
-              score.borderline, score.unanswered, score.unanswered_blocked, score.false_free,
-              wilsonUpperBound(score.false_free, score.blocked), score.false_block,
-              wilsonUpperBound(score.false_block, score.free), score.unknown_of_blocked, score.unknown_of_free,
-              quantile(score.distance_errors_m, 0.5), quantile(score.distance_errors_m, 0.95), score.reactions.size(),
-              score.reactions.size() - delays_s.size(), quantile(delays_s, 0.5), quantile(delays_s, 1.0));
+  CsvLine line;
+  line.count("blocked", score.blocked);
+  line.count("free", score.free);
+  line.count("borderline", score.borderline);
+  line.count("unanswered", score.unanswered);
+  line.count("unanswered_blocked", score.unanswered_blocked);
+  line.share("false_free", score.false_free, score.blocked);
+  line.share("false_block", score.false_block, score.free);
+  line.count("unknown_of_blocked", score.unknown_of_blocked);
+  line.count("unknown_of_free", score.unknown_of_free);
+  line.number("distance_error_median_m", quantile(score.distance_errors_m, 0.5));
+  line.number("distance_error_p95_m", quantile(score.distance_errors_m, 0.95));
+  line.reactions("appearance", summarise(score.reactions, State::Blocked));
+  line.reactions("disappearance", summarise(score.reactions, State::Free));
+  line.number("time_median_ms", quantile(score.frame_times_ms, 0.5));
+  line.number("time_p95_ms", quantile(score.frame_times_ms, 0.95));
+  line.print();
 }
 
 int evaluate(const CommandLine& options) {

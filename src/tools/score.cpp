@@ -93,6 +93,7 @@ void addRecording(const std::vector<ResultRow>& results, const std::vector<Truth
       if (state == State::Blocked) ++score.unanswered_blocked;
       continue;
     }
+    score.frame_times_ms.push_back(result->second.times.total_ms);
     if (state == State::Blocked) addBlocked(result->second, row, score);
     if (state == State::Free) addFree(result->second, score);
     if (state == State::Unknown) ++score.borderline;
@@ -108,11 +109,31 @@ std::string falseFreeComplaint(const Score& score) {
   return score.blocked + score.free > 0 ? "" : "no frame could be scored";
 }
 
-double wilsonUpperBound(int count, int total) {
-  if (total == 0) return kNaN;
+ReactionSummary summarise(const std::vector<Reaction>& reactions, State truth) {
+  ReactionSummary summary;
+  std::vector<double> delays_s;
+  for (const Reaction& reaction : reactions) {
+    if (reaction.truth != truth) continue;
+    ++summary.changes;
+    if (std::isnan(reaction.delay_s)) {
+      ++summary.missed;
+      continue;
+    }
+    delays_s.push_back(reaction.delay_s);
+    summary.longest_frames = std::max(summary.longest_frames, reaction.delay_frames);
+  }
+  summary.median_s = quantile(delays_s, 0.5);
+  summary.longest_s = quantile(delays_s, 1.0);
+  return summary;
+}
+
+/// (p + z^2/2n -+ z sqrt(p(1-p)/n + z^2/4n^2)) / (1 + z^2/n).
+Interval wilsonInterval(int count, int total) {
+  if (total == 0) return {};
   constexpr double kZ = 1.959964;  // 97.5 % quantile of the normal distribution
   const double n = total, p = count / n, z2 = kZ * kZ;
-  return (p + z2 / (2 * n) + kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n);
+  const double centre = p + z2 / (2 * n), reach = kZ * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
+  return {std::max(0.0, (centre - reach) / (1 + z2 / n)), std::min(1.0, (centre + reach) / (1 + z2 / n))};
 }
 
 SampleStatistics statistics(const std::vector<double>& samples_m) {

@@ -27,6 +27,7 @@ struct Score {
   int false_free = 0, false_block = 0;        ///< Said FREE of blocked, said BLOCKED of free.
   int unknown_of_blocked = 0, unknown_of_free = 0;
   std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
+  std::vector<double> frame_times_ms;     ///< What each answer cost.
   std::vector<Reaction> reactions;
 };
 
@@ -37,8 +38,19 @@ void addRecording(const std::vector<ResultRow>& results, const std::vector<Truth
 /// Why the verdicts do not show that nothing blocked was called FREE; "" when they do.
 std::string falseFreeComplaint(const Score& score);
 
-/// Upper end of the two-sided 95 % confidence interval of a share (Wilson 1927); NaN when total is 0.
-double wilsonUpperBound(int count, int total);
+/// How the verdict followed all changes of truth to one state.
+struct ReactionSummary {
+  int changes = 0, missed = 0;               ///< Missed: the verdict never followed; not in the numbers below.
+  double median_s = kNaN, longest_s = kNaN;  ///< NaN: none was followed.
+  int longest_frames = 0;                    ///< Most frames that one took.
+};
+ReactionSummary summarise(const std::vector<Reaction>& reactions, State truth);
+
+/// Two-sided 95 % confidence interval of a share (Wilson 1927); NaN when total is 0.
+struct Interval {
+  double lower = kNaN, upper = kNaN;
+};
+Interval wilsonInterval(int count, int total);
 
 /// A static recording of one range.
 struct SampleStatistics {

@@ -1,0 +1,278 @@
+// Verdicts of stock methods on a bag, put together as one would today from the paper, OpenCV and OctoMap: what
+// flight_corridor is held against. Each method judges each frame alone; a table for each of its thresholds, in replay's
+// format.
+//
+// paper    BLOCKED when d_K < D. D_c is the WLS depth at the window's centre, d_L the LiDAR's range as if the LiDAR
+// were
+//          the camera; both go into a Kalman filter with the paper's measurement variances, no gate, and the process
+//          noise that the paper lacks.
+// window   BLOCKED when the nearest WLS depth in the corridor's window, projected at 4 m, is < D.
+// octomap  the SGBM cloud by insertPointCloud into an empty OctoMap; BLOCKED when a leaf in the corridor's box holds N
+//          points or more.
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/ximgproc/disparity_filter.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+#include "ros/conversions.hpp"
+#include "tools/command_line.hpp"
+#include "tools/csv.hpp"
+#include "tools/stereo_bag.hpp"
+
+namespace {
+
+using namespace flight_corridor;
+using tools::ResultRow;
+
+constexpr std::array<double, 9> kDistances_m{2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 8.0};  // D; D_min is 4
+constexpr std::array<int, 8> kPoints{1, 10, 20, 40, 60, 80, 120, 160};                      // N; OctoMap's own is 1
+constexpr int kDisparities_px = 128;
+constexpr double kResolution_m = 0.10, kMaxRange_m = 8.0;
+const CorridorConfig kCorridor;
+
+template <typename Work>
+double milliseconds(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void toPixels(const cv::Mat& fixed, const StereoGeometry& geometry, cv::Mat& disparity_px) {
+  fixed.convertTo(disparity_px, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE, -geometry.principalPointDifference());
+}
+
+/// Filled disparity with the settings of OpenCV's sample disparity_filtering.cpp.
+class FilledDisparity {
+ public:
+  FilledDisparity() {
+    matcher_->setP1(24 * 3 * 3);
+    matcher_->setP2(96 * 3 * 3);
+    matcher_->setPreFilterCap(63);
+    matcher_->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
+    filter_ = cv::ximgproc::createDisparityWLSFilter(matcher_);
+    filter_->setLambda(8000.0);
+    filter_->setSigmaColor(1.5);
+    right_matcher_ = cv::ximgproc::createRightMatcher(matcher_);
+  }
+
+  void compute(const cv::Mat& left, const cv::Mat& right, const StereoGeometry& geometry, cv::Mat& disparity_px) {
+    matcher_->compute(left, right, left_fixed_);
+    right_matcher_->compute(right, left, right_fixed_);
+    filter_->filter(left_fixed_, left, filled_fixed_, right_fixed_);
+    toPixels(filled_fixed_, geometry, disparity_px);
+  }
+
+ private:
+  cv::Ptr<cv::StereoSGBM> matcher_ = cv::StereoSGBM::create(0, kDisparities_px, 3);
+  cv::Ptr<cv::StereoMatcher> right_matcher_;
+  cv::Ptr<cv::ximgproc::DisparityWLSFilter> filter_;
+  cv::Mat left_fixed_, right_fixed_, filled_fixed_;
+};
+
+/// The matcher of stereo_image_proc with its defaults, but for the search range.
+cv::Ptr<cv::StereoSGBM> stockMatcher() {
+  return cv::StereoSGBM::create(0, kDisparities_px, 15, 200, 400, 0, 31, 15, 100, 4, cv::StereoSGBM::MODE_SGBM);
+}
+
+/// The corridor's face at D_min on the left image: the paper's window.
+cv::Rect window(const StereoGeometry& geometry) {
+  const Eigen::Vector3d corner(kCorridor.width_m / 2, kCorridor.height_m / 2, kCorridor.length_m);
+  const Eigen::Vector2d low = geometry.project({-corner.x(), -corner.y(), corner.z()}), high = geometry.project(corner);
+  const cv::Rect area(cv::Point(cvRound(low.x()), cvRound(low.y())), cv::Point(cvRound(high.x()), cvRound(high.y())));
+  return area & cv::Rect({}, geometry.size());
+}
+
+/// @return +inf where no disparity is left: a WLS filter leaves no pixel out.
+double depthOf(float disparity_px, const StereoGeometry& geometry) {
+  return disparity_px > 0.0F ? geometry.depth(disparity_px) : kInfinity;
+}
+
+FusionConfig paperFusion() {
+  FusionConfig config;
+  config.stereo_variance_m2 = 0.0254800198;
+  config.lidar_variance_m2 = 0.0005798584;
+  config.gate_sigma = kInfinity;
+  return config;
+}
+
+ResultRow row(const ros::Time& stamp, State state, double clear_distance_m, double total_ms) {
+  ResultRow row;
+  row.stamp = stamp;
+  row.state = state;
+  row.clear_distance_m = state == State::Free ? kInfinity : clear_distance_m;
+  row.times.total_ms = total_ms;
+  return row;
+}
+
+State nearer(double distance_m, double threshold_m) {
+  if (std::isnan(distance_m)) return State::Unknown;
+  return distance_m < threshold_m ? State::Blocked : State::Free;
+}
+
+std::string fileName(const char* method, double threshold, int decimals) {
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%s_%.*f.csv", method, decimals, threshold);
+  return text.data();
+}
+
+class Yardsticks {
+ public:
+  explicit Yardsticks(const StereoGeometry& geometry) : geometry_(geometry), window_(window(geometry)) {}
+
+  void add(const RangeReading& lidar) {
+    if (!(lidar.min_range_m <= lidar.range_m && lidar.range_m <= lidar.max_range_m)) return;
+    fusion_.add(Sensor::Lidar, lidar.stamp_s, lidar.range_m, kFusion.lidar_variance_m2);
+  }
+
+  void add(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right) {
+    const double filled_ms = milliseconds([&] { filled_.compute(left, right, geometry_, disparity_px_); });
+    judgePaper(stamp, filled_ms);
+    judgeWindow(stamp, filled_ms);
+    judgeOctomap(stamp, left, right);
+  }
+
+  void write(const std::filesystem::path& folder) const {
+    for (const auto& [name, rows] : tables_) tools::writeResults(folder / name, rows);
+  }
+
+ private:
+  using PointCounts = std::unordered_map<octomap::OcTreeKey, int, octomap::OcTreeKey::KeyHash>;
+
+  void judgePaper(const ros::Time& stamp, double filled_ms) {
+    double fused_m = kNaN;
+    const double own_ms = milliseconds([&] {
+      const cv::Point centre = (window_.tl() + window_.br()) / 2;
+      const double stereo_m = depthOf(disparity_px_.at<float>(centre), geometry_);
+      if (std::isfinite(stereo_m)) fusion_.add(Sensor::Stereo, stamp.toSec(), stereo_m, kFusion.stereo_variance_m2);
+      fused_m = fusion_.at(stamp.toSec()).range_m;
+    });
+    addByDistance("paper", stamp, fused_m, filled_ms + own_ms);
+  }
+
+  void judgeWindow(const ros::Time& stamp, double filled_ms) {
+    double nearest_m = kInfinity;
+    const double own_ms = milliseconds([&] {
+      for (const float disparity_px : cv::Mat_<float>(disparity_px_(window_))) {
+        nearest_m = std::min(nearest_m, depthOf(disparity_px, geometry_));
+      }
+    });
+    addByDistance("window", stamp, nearest_m, filled_ms + own_ms);
+  }
+
+  void addByDistance(const char* method, const ros::Time& stamp, double distance_m, double total_ms) {
+    for (const double threshold_m : kDistances_m) {
+      tables_[fileName(method, threshold_m, 2)].push_back(
+          row(stamp, nearer(distance_m, threshold_m), distance_m, total_ms));
+    }
+  }
+
+  void judgeOctomap(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right) {
+    octomap::Pointcloud cloud;
+    octomap::OcTree tree(kResolution_m);
+    const double total_ms = milliseconds([&] {
+      matcher_->compute(left, right, fixed_);
+      toPixels(fixed_, geometry_, disparity_px_);
+      makeCloud(cloud);
+      tree.insertPointCloud(cloud, {0, 0, 0}, kMaxRange_m);
+    });
+    const PointCounts counts = countPoints(cloud, tree);
+    for (const int enough : kPoints) {
+      const double clear_m = clearDistance(tree, counts, enough);
+      const State state = cloud.size() == 0 ? State::Unknown : nearer(clear_m, kCorridor.length_m);
+      tables_[fileName("octomap", enough, 0)].push_back(row(stamp, state, clear_m, total_ms));
+    }
+  }
+
+  void makeCloud(octomap::Pointcloud& cloud) const {
+    for (int v = 0; v < disparity_px_.rows; ++v) {
+      for (int u = 0; u < disparity_px_.cols; ++u) {
+        const double depth_m = geometry_.depth(disparity_px_.at<float>(v, u));  // NaN where nothing matched
+        if (std::isnan(depth_m)) continue;
+        const Eigen::Vector3f point = geometry_.point(u, v, depth_m).cast<float>();
+        cloud.push_back(point.x(), point.y(), point.z());
+      }
+    }
+  }
+
+  static PointCounts countPoints(const octomap::Pointcloud& cloud, const octomap::OcTree& tree) {
+    PointCounts counts;
+    for (const octomap::point3d& point : cloud) ++counts[tree.coordToKey(point)];
+    return counts;
+  }
+
+  /// To the nearest occupied leaf in the box that holds enough points; +inf when there is none.
+  double clearDistance(const octomap::OcTree& tree, const PointCounts& counts, int enough) const {
+    double nearest_m = kInfinity;
+    for (const auto& [key, count] : counts) {
+      if (count < enough) continue;
+      const octomap::point3d centre = tree.keyToCoord(key);
+      const octomap::OcTreeNode* leaf = tree.search(key);
+      if (!leaf || !tree.isNodeOccupied(leaf)) continue;
+      if (!intersects(box_, {centre.x(), centre.y(), centre.z()}, kResolution_m)) continue;
+      nearest_m = std::min(nearest_m, std::max(0.0, centre.z() - kResolution_m / 2));
+    }
+    return nearest_m;
+  }
+
+  inline static const FusionConfig kFusion = paperFusion();
+  StereoGeometry geometry_;
+  cv::Rect window_;
+  Box box_ = Corridor(kCorridor).box(opticalFromForward());
+  FilledDisparity filled_;
+  cv::Ptr<cv::StereoSGBM> matcher_ = stockMatcher();
+  RangeFusion fusion_{kFusion};
+  cv::Mat fixed_, disparity_px_;
+  std::map<std::string, std::vector<ResultRow>> tables_;
+};
+
+int judge(const tools::CommandLine& options) {
+  namespace shell = flight_corridor_ros;
+  const tools::StereoBagReader bag(options.text("bag"), tools::StereoTopics());
+  std::optional<Yardsticks> yardsticks;
+  std::vector<RangeReading> early;  // before the first pair tells the geometry
+  tools::Progress progress("yardsticks", bag.leftImages());
+  tools::StereoBagReader::Listener listener;
+  listener.on_range = [&](const sensor_msgs::RangeConstPtr& range) {
+    const RangeReading reading = shell::toReading(*range);
+    yardsticks ? yardsticks->add(reading) : early.push_back(reading);
+  };
+  listener.on_pair = [&](const tools::StereoMessages& pair) {
+    if (!yardsticks) {
+      yardsticks.emplace(StereoGeometry(shell::toCalibration(*pair.left_info, *pair.right_info)));
+      for (const RangeReading& reading : early) yardsticks->add(reading);
+    }
+    yardsticks->add(pair.left->header.stamp, shell::toGrey(pair.left)->image, shell::toGrey(pair.right)->image);
+    progress.advance();
+  };
+  bag.play({}, listener);
+  if (!yardsticks) throw std::runtime_error(options.text("bag") + ": no stereo pair");
+  std::filesystem::create_directories(options.text("out"));
+  yardsticks->write(options.text("out"));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  tools::CommandLine options("yardsticks", "Verdicts of stock methods on a bag.");
+  options.required("bag", "F.bag", "bag to read")
+      .required("out", "DIR", "folder for METHOD_THRESHOLD.csv: paper and window by distance [m], octomap by points")
+      .notes("paper: d_K < D. window: nearest depth in the projected window < D. octomap: SGBM by insertPointCloud.");
+  return tools::runTool(options, argc, argv, [&] { return judge(options); });
+}
