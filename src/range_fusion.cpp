@@ -8,6 +8,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
+constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
 constexpr double kClockSetBack_s = 5.0;  // nothing is so late: the clock was set back, or the newest stamp was wrong
@@ -123,10 +124,10 @@ RangeFusion::Filter RangeFusion::predicted(const Filter& filter, double stamp_s)
   return next;
 }
 
-void RangeFusion::initialise(Filter& filter, const Reading& reading) {
+void RangeFusion::initialise(Filter& filter, const Reading& reading, double rate_sigma_mps) {
   filter.stamp_s = reading.stamp_s;
-  filter.mean[0] = reading.value;  // the rate is mostly our own: it stays
-  filter.covariance << reading.variance_m2, 0, 0, squared(kFirstRateSigma_mps);
+  filter.mean[0] = reading.value;
+  filter.covariance << reading.variance_m2, 0, 0, squared(rate_sigma_mps);
 }
 
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
@@ -175,7 +176,7 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
     filter.mean.setZero();
     filter.tracks.fill(SensorTrack());
     filter.confirmed = false;
-    initialise(filter, reading);
+    initialise(filter, reading, kFirstRateSigma_mps);
     return accept(Outcome::Reinitialised);
   }
 
@@ -197,7 +198,7 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
     if (!rulesAlone(filter, reading)) return Outcome::Gated;
     contradict(filter.tracks[1 - track(reading)], filter, reading.stamp_s);
   }
-  initialise(filter, reading);
+  initialise(filter, reading, kOtherRateSigma_mps);  // the rate is mostly our own: it stays
   return accept(Outcome::Reinitialised);
 }
 

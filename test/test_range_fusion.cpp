@@ -56,6 +56,17 @@ Outcome feed(RangeFusion& fusion, const Event& event) {
   return fusion.add(event.sensor, event.stamp_s, event.range_m, event.variance_m2);
 }
 
+TEST(RangeFusion, TwoSensorsThatDifferOnANewSurfaceAreNoSpeed) {
+  RangeFusion fusion((FusionConfig()));
+  double now_s = 0.0;
+  for (; now_s < 1.0; now_s += 0.01) fusion.add(Sensor::Lidar, now_s, 10.0 - now_s, kLidarVariance_m2);
+  fusion.add(Sensor::Lidar, now_s, 4.12, kLidarVariance_m2);
+  ASSERT_EQ(fusion.add(Sensor::Stereo, now_s, 4.35, kStereoVariance_m2), Outcome::Reinitialised);
+  fusion.add(Sensor::Lidar, now_s + 0.01, 4.11, kLidarVariance_m2);
+  fusion.add(Sensor::Lidar, now_s + 0.02, 4.11, kLidarVariance_m2);
+  EXPECT_NEAR(fusion.at(now_s + 0.02).rate_mps, -1.0, 0.8);
+}
+
 TEST(RangeFusion, WithoutDriftItIsTheWeightedMean) {
   FusionConfig config;
   config.acceleration_sigma_mps2 = 0.0;

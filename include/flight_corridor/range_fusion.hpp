@@ -106,7 +106,7 @@ class RangeFusion {
   void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
   bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
   bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
-  static void initialise(Filter& filter, const Reading& reading);
+  static void initialise(Filter& filter, const Reading& reading, double rate_sigma_mps);
 
   FusionConfig config_;
   Filter before_;            // state before the oldest buffered reading
