@@ -6,33 +6,22 @@
 
 namespace flight_corridor {
 
-namespace {
-
-int floorLog2(int value) {
-  int log = 0;
-  while (value >>= 1) ++log;
-  return log;
-}
-
-}  // namespace
-
 void DepthPyramid::build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px,
                          double min_ray_fraction) {
   columns_ = (depth_m.cols + kTile_px - 1) / kTile_px;
   rows_ = (depth_m.rows + kTile_px - 1) / kTile_px;
-  levels_ = floorLog2(std::min(columns_, rows_)) + 1;
+  level_of_.assign(std::min(columns_, rows_) + 1, 0);
+  for (std::size_t side = 2; side < level_of_.size(); ++side) level_of_[side] = level_of_[side / 2] + 1;
+  levels_ = level_of_.back() + 1;
   const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
-  squares_.resize(tiles * levels_);
+  nearest_m_.resize(tiles * levels_);
+  farthest_m_.resize(tiles * levels_);
   usable_.resize(tiles);
 
   buildTiles(depth_m, min_ray_fraction);
   // The band keeps the order of depths: it is enough to shift each tile's nearest.
   for (std::size_t i = 0; i < tiles; ++i) {
-    Square& tile = squares_[i];
-    if (tile.minus_farthest_m < 0.0f) {
-      tile.nearest_m = geometry.shiftedDepth(tile.nearest_m, free_band_px);
-      tile.minus_farthest_m = -tile.nearest_m;
-    }
+    if (farthest_m_[i] > 0.0f) nearest_m_[i] = farthest_m_[i] = geometry.shiftedDepth(nearest_m_[i], free_band_px);
   }
   for (int level = 1; level < levels_; ++level) joinSquares(level);
   cv::integral(cv::Mat(rows_, columns_, CV_8UC1, usable_.data()), usable_sum_, CV_32S);
@@ -43,15 +32,17 @@ void DepthPyramid::buildTiles(const cv::Mat& depth_m, double min_ray_fraction) {
     column_near_m_.assign(depth_m.cols, std::numeric_limits<float>::infinity());
     column_rays_.assign(depth_m.cols, 0);
     const int height_px = std::min(kTile_px, depth_m.rows - first_row);
-    for (int v = first_row; v < first_row + height_px; ++v) {
-      const auto* row = depth_m.ptr<float>(v);
-      for (int u = 0; u < depth_m.cols; ++u) {  // NaN changes nothing
-        column_near_m_[u] = row[u] < column_near_m_[u] ? row[u] : column_near_m_[u];
-        column_rays_[u] += row[u] == row[u];
-      }
-    }
+    for (int v = first_row; v < first_row + height_px; ++v) addRow(depth_m.ptr<float>(v));
     endTileRow(first_row / kTile_px, height_px, depth_m.cols, min_ray_fraction);
   }
+}
+
+void DepthPyramid::addRow(const float* depth_m) {
+  const int width = static_cast<int>(column_near_m_.size());
+  float* near_m = column_near_m_.data();
+  int* rays = column_rays_.data();
+  for (int u = 0; u < width; ++u) near_m[u] = depth_m[u] < near_m[u] ? depth_m[u] : near_m[u];  // NaN changes nothing
+  for (int u = 0; u < width; ++u) rays[u] += depth_m[u] == depth_m[u];
 }
 
 void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction) {
@@ -61,7 +52,8 @@ void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double 
     const float nearest_m = *std::min_element(&column_near_m_[first], &column_near_m_[0] + last);
     int rays = 0;
     for (int u = first; u < last; ++u) rays += column_rays_[u];
-    squares_[tile] = {nearest_m, rays > 0 ? -nearest_m : 0.0f};
+    nearest_m_[tile] = nearest_m;
+    farthest_m_[tile] = rays > 0 ? nearest_m : 0.0f;
     usable_[tile] = rays >= min_ray_fraction * (last - first) * height_px;
   }
 }
@@ -69,30 +61,20 @@ void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double 
 /// Squares of one level from four of the level below.
 void DepthPyramid::joinSquares(int level) {
   const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
-  const int step = 1 << (level - 1);
+  const int step = 1 << (level - 1), width = columns_ - 2 * step + 1;
   for (int row = 0; row + 2 * step <= rows_; ++row) {
-    const std::size_t at = static_cast<std::size_t>(row) * columns_;
-    const Square* above = &squares_[(level - 1) * tiles + at];
-    const Square* below = above + static_cast<std::size_t>(step) * columns_;
-    Square* joined = &squares_[level * tiles + at];
-    for (int i = 0; i + 2 * step <= columns_; ++i) {
-      joined[i] = least(least(above[i], above[i + step]), least(below[i], below[i + step]));
+    const std::size_t joined = level * tiles + static_cast<std::size_t>(row) * columns_;
+    const std::size_t above = joined - tiles, below = above + static_cast<std::size_t>(step) * columns_;
+    const float *near_above_m = &nearest_m_[above], *near_below_m = &nearest_m_[below];
+    const float *far_above_m = &farthest_m_[above], *far_below_m = &farthest_m_[below];
+    float *near_m = &nearest_m_[joined], *far_m = &farthest_m_[joined];
+    for (int i = 0; i < width; ++i) {
+      near_m[i] = std::min(std::min(near_above_m[i], near_above_m[i + step]),
+                           std::min(near_below_m[i], near_below_m[i + step]));
+      far_m[i] =
+          std::max(std::max(far_above_m[i], far_above_m[i + step]), std::max(far_below_m[i], far_below_m[i + step]));
     }
   }
-}
-
-DepthPyramid::Reach DepthPyramid::reach(const Tiles& tiles) const {
-  const int level = floorLog2(std::min(tiles.right - tiles.left, tiles.bottom - tiles.top) + 1), side = 1 << level;
-  const Square* base = &squares_[static_cast<std::size_t>(level) * columns_ * rows_];
-  Square all{std::numeric_limits<float>::infinity(), 0.0f};
-  // Squares side by side, the last ones moved back to end with the rectangle.
-  for (int row = tiles.top; row <= tiles.bottom; row += side) {
-    const Square* line = base + static_cast<std::size_t>(std::min(row, tiles.bottom + 1 - side)) * columns_;
-    for (int column = tiles.left; column <= tiles.right; column += side) {
-      all = least(all, line[std::min(column, tiles.right + 1 - side)]);
-    }
-  }
-  return {all.nearest_m, -all.minus_farthest_m};
 }
 
 double DepthPyramid::usableFraction(const Tiles& tiles) const {

@@ -1,6 +1,8 @@
 #include "flight_corridor/evidence_tree.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <type_traits>
 
 namespace flight_corridor {
 
@@ -12,20 +14,45 @@ struct NodeAccess : octomap::OcTreeNode {
 };
 
 octomap::AbstractOcTreeNode**& childrenOf(octomap::OcTreeNode* node) { return node->*NodeAccess::kChildren; }
+bool isLeaf(const octomap::OcTreeNode* node) { return node->*NodeAccess::kChildren == nullptr; }
+
+/// @return nullptr: there is none.
+octomap::OcTreeNode* childOf(octomap::OcTreeNode* node, unsigned child) {
+  octomap::AbstractOcTreeNode** children = childrenOf(node);
+  return children ? static_cast<octomap::OcTreeNode*>(children[child]) : nullptr;
+}
+
+const octomap::OcTreeNode kUnknown = [] {
+  octomap::OcTreeNode node;
+  node.setLogOdds(-std::numeric_limits<float>::infinity());
+  return node;
+}();
 
 }  // namespace
 
 EvidenceTree::~EvidenceTree() {
-  for (octomap::OcTreeNode* node : spare_nodes_) delete node;
-  for (octomap::AbstractOcTreeNode** table : spare_tables_) delete[] table;
+  root = nullptr;  // OctoMap would delete what it did not allocate,
+  childrenOf(&root_node_) = nullptr;
+  for (Family& family : families_) {  // and insists that nodes go without children
+    for (octomap::OcTreeNode& node : family.nodes) childrenOf(&node) = nullptr;
+  }
 }
 
-void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, float log_odds) {
-  const bool created = enter(key, depth);
-  if (created) {
-    updateNodeLogOdds(way_[depth], log_odds);
+void EvidenceTree::addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, float log_odds) {
+  enter(key, depth);
+  octomap::OcTreeNode* node = way_[depth];
+  for (; children != 0; children &= children - 1) addToChild(node, __builtin_ctz(children), log_odds);
+}
+
+/// Unknown parts of a known cube come into being with the evidence alone.
+void EvidenceTree::addToChild(octomap::OcTreeNode* node, unsigned child, float log_odds) {
+  octomap::OcTreeNode* part = childOf(node, child);
+  if (!part) part = createChild(node, child);
+  if (childrenOf(part)) {
+    for (unsigned i = 0; i < 8; ++i) addToChild(part, i, log_odds);
+    putRight(part);
   } else {
-    addToSubtree(way_[depth], log_odds);
+    part->setLogOdds(std::clamp(part->getLogOdds() + log_odds, clamping_thres_min, clamping_thres_max));
   }
 }
 
@@ -44,41 +71,62 @@ unsigned EvidenceTree::sharedDepth(const octomap::OcTreeKey& key, unsigned depth
   return std::min({shared, depth, at_depth_});
 }
 
-/// Puts the nodes right that the way leaves: those deeper than a depth, but for the last cube, which is right.
+/// Puts the nodes right that the way leaves: those deeper than a depth.
 void EvidenceTree::leaveUntil(unsigned depth) {
-  if (at_depth_ <= depth) return;
-  while (--at_depth_ > depth) putRight(way_[at_depth_]);
+  for (; at_depth_ > depth; --at_depth_) putRight(way_[at_depth_]);
 }
 
+/// An inner node holds the most of its children; eight equal leaves become one.
 void EvidenceTree::putRight(octomap::OcTreeNode* node) {
-  if (nodeHasChildren(node) && !pruneNode(node)) node->updateOccupancyChildren();
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  int leaves = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    const octomap::OcTreeNode* child = childOf(node, i);
+    if (!child) child = &kUnknown;
+    least = std::min(least, child->getLogOdds());
+    most = std::max(most, child->getLogOdds());
+    leaves += isLeaf(child);
+  }
+  node->setLogOdds(most);
+  if (leaves == 8 && least == most) putAwayChildren(node);
 }
 
-/// @return whether the cube's node is new.
-bool EvidenceTree::enter(const octomap::OcTreeKey& key, unsigned depth) {
-  bool created = !is_open_ && openRoot();
+/// Makes the way lead to a cube whose children can be changed.
+void EvidenceTree::enter(const octomap::OcTreeKey& key, unsigned depth) {
+  if (!is_open_) openRoot();
   leaveUntil(sharedDepth(key, depth));
   at_ = key;
   for (; at_depth_ < depth; ++at_depth_) {
-    octomap::OcTreeNode* node = way_[at_depth_];
-    if (!created && !nodeHasChildren(node)) expandNode(node);  // a pruned one
     const unsigned child = octomap::computeChildIdx(key, static_cast<int>(tree_depth - 1 - at_depth_));
-    created = !nodeChildExists(node, child);
-    way_[at_depth_ + 1] = created ? createChild(node, child) : getNodeChild(node, child);
+    way_[at_depth_ + 1] = openChild(way_[at_depth_], child);
   }
-  return created;
 }
 
-/// @return whether the tree was empty.
-bool EvidenceTree::openRoot() {
-  const bool created = !root;
-  if (created) {
-    root = takeNode();
+octomap::OcTreeNode* EvidenceTree::openChild(octomap::OcTreeNode* node, unsigned child) {
+  octomap::OcTreeNode* part = childOf(node, child);
+  if (!part) return createChild(node, child);
+  if (!childrenOf(part)) split(part);
+  return part;
+}
+
+void EvidenceTree::openRoot() {
+  if (!root) {
+    root = &root_node_;
+    root->setLogOdds(0.0f);
+    childrenOf(root) = nullptr;
+    tree_size = 1;
+    size_changed = true;
+  } else if (!childrenOf(root)) {
+    split(root);
   }
   is_open_ = true;
   way_[0] = root;
   at_depth_ = 0;
-  return created;
+}
+
+/// A leaf, pruned or not, gets eight children like it.
+void EvidenceTree::split(octomap::OcTreeNode* leaf) {
+  for (unsigned i = 0; i < 8; ++i) createChild(leaf, i)->setLogOdds(leaf->getLogOdds());
 }
 
 void EvidenceTree::forget(const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
@@ -96,12 +144,13 @@ bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey&
     inside = inside && low[axis] <= key[axis] && key[axis] + last_cell <= high[axis];
   }
   if (inside) return true;
-  if (!nodeHasChildren(node)) expandNode(node);
-  for (unsigned child = 0; child < 8; ++child) {
-    const octomap::OcTreeKey part = childKey(key, depth, child);
-    if (nodeChildExists(node, child) && forgetIn(getNodeChild(node, child), part, depth + 1, low, high)) {
-      putAway(getNodeChild(node, child));
-      childrenOf(node)[child] = nullptr;
+  if (!childrenOf(node)) split(node);
+  for (unsigned i = 0; i < 8; ++i) {
+    octomap::OcTreeNode* child = childOf(node, i);
+    if (child && forgetIn(child, childKey(key, depth, i), depth + 1, low, high)) {
+      putAwayChildren(child);
+      childrenOf(node)[i] = nullptr;
+      --tree_size;
     }
   }
   putRight(node);
@@ -109,59 +158,57 @@ bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey&
 }
 
 void EvidenceTree::clear() {
-  if (root) putAway(root);
   root = nullptr;
-  is_open_ = false;
-}
-
-/// A node and what is below it leave the tree.
-void EvidenceTree::putAway(octomap::OcTreeNode* node) {
-  if (octomap::AbstractOcTreeNode**& children = childrenOf(node)) {
-    for (unsigned i = 0; i < 8; ++i) {
-      if (children[i]) putAway(getNodeChild(node, i));
-    }
-    spare_tables_.push_back(children);
-    children = nullptr;
-  }
-  spare_nodes_.push_back(node);
-  --tree_size;
+  tree_size = 0;
   size_changed = true;
+  is_open_ = false;
+  families_used_ = 0;
+  spare_families_.clear();
 }
 
-octomap::OcTreeNode* EvidenceTree::takeNode() {
+/// What is below a node leaves the tree.
+void EvidenceTree::putAwayChildren(octomap::OcTreeNode* node) {
+  if (isLeaf(node)) return;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (octomap::OcTreeNode* child = childOf(node, i)) {
+      putAwayChildren(child);
+      --tree_size;
+    }
+  }
+  size_changed = true;
+  spare_families_.push_back(familyOf(node));
+  childrenOf(node) = nullptr;
+}
+
+/// @param node with children.
+EvidenceTree::Family* EvidenceTree::familyOf(octomap::OcTreeNode* node) {
+  static_assert(std::is_standard_layout<Family>::value, "a family begins with its table");
+  return reinterpret_cast<Family*>(childrenOf(node));
+}
+
+EvidenceTree::Family& EvidenceTree::takeFamily() {
+  if (!spare_families_.empty()) {
+    Family* family = spare_families_.back();
+    spare_families_.pop_back();
+    return *family;
+  }
+  if (families_used_ == families_.size()) families_.emplace_back();
+  return families_[families_used_++];
+}
+
+octomap::OcTreeNode* EvidenceTree::createChild(octomap::OcTreeNode* node, unsigned i) {
+  if (isLeaf(node)) {
+    Family& family = takeFamily();
+    std::fill_n(family.children, 8, nullptr);
+    childrenOf(node) = family.children;
+  }
+  octomap::OcTreeNode* child = &familyOf(node)->nodes[i];
+  child->setLogOdds(0.0f);
+  childrenOf(child) = nullptr;
+  childrenOf(node)[i] = child;
   ++tree_size;
   size_changed = true;
-  if (spare_nodes_.empty()) return new octomap::OcTreeNode();
-  octomap::OcTreeNode* node = spare_nodes_.back();
-  spare_nodes_.pop_back();
-  node->setLogOdds(0.0f);
-  return node;
-}
-
-octomap::OcTreeNode* EvidenceTree::createChild(octomap::OcTreeNode* node, unsigned child) {
-  octomap::AbstractOcTreeNode**& children = childrenOf(node);
-  if (!children) {
-    if (spare_tables_.empty()) {
-      children = new octomap::AbstractOcTreeNode*[8];
-    } else {
-      children = spare_tables_.back();
-      spare_tables_.pop_back();
-    }
-    std::fill_n(children, 8, nullptr);
-  }
-  octomap::OcTreeNode* created = takeNode();
-  children[child] = created;
-  return created;
-}
-
-/// Unknown parts of a known subtree come into being with the evidence alone.
-void EvidenceTree::addToSubtree(octomap::OcTreeNode* node, float log_odds) {
-  if (!nodeHasChildren(node)) return updateNodeLogOdds(node, log_odds);
-  for (unsigned child = 0; child < 8; ++child) {
-    const bool known = nodeChildExists(node, child);
-    addToSubtree(known ? getNodeChild(node, child) : createChild(node, child), log_odds);
-  }
-  putRight(node);
+  return child;
 }
 
 }  // namespace flight_corridor

@@ -17,21 +17,26 @@ TEST(CellCounts, AgreesWithAMapAcrossGrowthAndClearing) {
     for (int i = 0; i < 4 * cells; ++i) {
       const auto cell = static_cast<std::uint32_t>(random() % cells << (random() % 2 * 17));  // clustered and scattered
       const auto count = static_cast<std::uint32_t>(1 + random() % 7);
-      counts.add(cell, count);
+      counts.add(cell / 8, cell % 8, count);
       expected[cell] += count;
     }
     std::map<std::uint32_t, std::uint32_t> found;
-    counts.forEach([&](const CellCounts::Entry& e) { EXPECT_TRUE(found.emplace(e.cell, e.count).second) << e.cell; });
+    for (const CellCounts::Cube& cube : counts.cubes()) {
+      for (std::uint32_t cell = 0; cell < 8; ++cell) {
+        if (cube.counts[cell] == 0) continue;
+        EXPECT_TRUE(found.emplace(8 * cube.key + cell, cube.counts[cell]).second) << cube.key;
+      }
+    }
     EXPECT_EQ(found, expected);
   }
 }
 
-TEST(CellCounts, KeepsTheOrderInWhichCellsCame) {
+TEST(CellCounts, KeepsTheOrderInWhichCubesCame) {
   CellCounts counts;
-  for (const std::uint32_t cell : {7u, 3u, 7u, 5u}) counts.add(cell, 1);
-  std::vector<std::uint32_t> cells;
-  counts.forEach([&](const CellCounts::Entry& entry) { cells.push_back(entry.cell); });
-  EXPECT_EQ(cells, (std::vector<std::uint32_t>{7, 3, 5}));
+  for (const std::uint32_t cube : {7u, 3u, 7u, 5u}) counts.add(cube, 0, 1);
+  std::vector<std::uint32_t> cubes;
+  for (const CellCounts::Cube& cube : counts.cubes()) cubes.push_back(cube.key);
+  EXPECT_EQ(cubes, (std::vector<std::uint32_t>{7, 3, 5}));
 }
 
 }  // namespace

@@ -68,8 +68,8 @@ TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangle) {
       const int right = left + random() % (columns - left), bottom = top + random() % (rows - top);
       const DepthPyramid::Tiles tiles{left, top, right, bottom};
       const Expected expected = loopOver(depth_m, tiles);
-      ASSERT_EQ(pyramid.reach(tiles).nearest_m, expected.nearest_m);
-      ASSERT_EQ(pyramid.reach(tiles).farthest_m, expected.farthest_m);
+      ASSERT_EQ(pyramid.nearest(tiles), expected.nearest_m);
+      ASSERT_EQ(pyramid.farthest(tiles), expected.farthest_m);
       ASSERT_DOUBLE_EQ(pyramid.usableFraction(tiles), expected.usable);
     }
   }

@@ -38,7 +38,7 @@ bool isInCube(const octomap::OcTreeKey& cell, const octomap::OcTreeKey& cube, un
          cell[2] >> shift == cube[2] >> shift;
 }
 
-void add(Cells& cells, const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
+void addTo(Cells& cells, const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
   forEachCell([&](const octomap::OcTreeKey& cell) {
     if (!isInCube(cell, cube, depth)) return;
     float& value = cells[{cell[0], cell[1], cell[2]}];
@@ -84,6 +84,11 @@ class AnEvidenceTree : public ::testing::Test {
     return key(x, y, z);
   }
 
+  void add(const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
+    const unsigned child = octomap::computeChildIdx(cube, static_cast<int>(kLeaf - depth));
+    tree_.addToChildren(cube, depth - 1, 1u << child, log_odds);
+  }
+
   std::mt19937 random_{17};
   EvidenceTree tree_{0.1};
 };
@@ -95,8 +100,8 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
       const octomap::OcTreeKey cube = anyCell();
       const unsigned depth = kLeaf - below(3);
       const float log_odds = below(2) ? 2.0f : -0.7f;
-      tree_.add(cube, depth, log_odds);
-      add(cells, cube, depth, log_odds);
+      add(cube, depth, log_odds);
+      addTo(cells, cube, depth, log_odds);
     }
     tree_.settle();
     expectEqual(tree_, cells);
@@ -112,7 +117,7 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
 }
 
 TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
-  for (unsigned child = 0; child < 8; ++child) tree_.add(tree_.childKey(key(5, 5, 5), 15, child), kLeaf, 2.0f);
+  tree_.addToChildren(key(5, 5, 5), 15, 0xFF, 2.0f);
   tree_.settle();
   unsigned depth = 0;
   ASSERT_NE(tree_.search(key(5, 5, 5)), nullptr);
@@ -123,12 +128,12 @@ TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
 
 TEST_F(AnEvidenceTree, ForgettingAllOfItLeavesNothing) {
   tree_.forget(key(0, 0, 0), key(9, 9, 9));  // of an empty tree: no harm
-  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
-  tree_.add(key(8, 3, 3), 14, -0.7f);
+  add(key(3, 3, 3), kLeaf, 2.0f);
+  add(key(8, 3, 3), 14, -0.7f);
   tree_.forget(octomap::OcTreeKey(0, 0, 0), octomap::OcTreeKey(65535, 65535, 65535));
   EXPECT_EQ(tree_.size(), 0u);
   EXPECT_EQ(tree_.getRoot(), nullptr);
-  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
+  add(key(3, 3, 3), kLeaf, 2.0f);
   tree_.settle();
   EXPECT_EQ(tree_.size(), 17u);
 }
@@ -139,7 +144,7 @@ TEST_F(AnEvidenceTree, ATreeBuiltAnewIsMadeOfTheOldNodes) {
     std::mt19937 random(3);
     for (int i = 0; i < 500; ++i) {
       const unsigned x = random() % kSide, y = random() % kSide;
-      tree_.add(key(x, y, 0), kLeaf, i % 2 ? 2.0f : -0.7f);
+      add(key(x, y, 0), kLeaf, i % 2 ? 2.0f : -0.7f);
     }
     tree_.settle();
     std::set<const octomap::OcTreeNode*> nodes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -16,15 +17,9 @@ class DepthPyramid {
  public:
   static constexpr int kTile_px = 4;
 
-  /// Rectangle of tiles, its last column and row included.
+  /// Rectangle of tiles, its last column and row included. Not empty, inside the image.
   struct Tiles {
     int left, top, right, bottom;
-  };
-
-  /// Up to where the rays of a rectangle are free.
-  struct Reach {
-    float nearest_m;   ///< The least free ray; +inf when there is none.
-    float farthest_m;  ///< The least free ray of the most free tile; 0 when there is none.
   };
 
   /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
@@ -32,26 +27,44 @@ class DepthPyramid {
   /// @param min_ray_fraction share of a tile's pixels that must have a ray.
   void build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px, double min_ray_fraction);
 
-  /// @param tiles not empty, inside the image.
-  Reach reach(const Tiles& tiles) const;
+  /// The least free ray of a rectangle; +inf when there is none.
+  float nearest(const Tiles& tiles) const {
+    return overSquares(nearest_m_, tiles, [](float a, float b) { return std::min(a, b); });
+  }
+
+  /// The least free ray of the most free tile; 0 when there is none.
+  float farthest(const Tiles& tiles) const {
+    return overSquares(farthest_m_, tiles, [](float a, float b) { return std::max(a, b); });
+  }
 
   /// Share of the rectangle's tiles that hold rays enough [0..1].
   double usableFraction(const Tiles& tiles) const;
 
  private:
-  struct Square {
-    float nearest_m, minus_farthest_m;  // negated, so that both are minima
-  };
-  static Square least(const Square& a, const Square& b) {
-    return {std::min(a.nearest_m, b.nearest_m), std::min(a.minus_farthest_m, b.minus_farthest_m)};
-  }
-
   void buildTiles(const cv::Mat& depth_m, double min_ray_fraction);
+  void addRow(const float* depth_m);
   void endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction);
   void joinSquares(int level);
 
+  /// The least or most of the squares that cover a rectangle: one in each of its corners, and between them when it is
+  /// long.
+  template <class Better>
+  float overSquares(const std::vector<float>& values, const Tiles& tiles, const Better& better) const {
+    const int width = tiles.right - tiles.left + 1, height = tiles.bottom - tiles.top + 1;
+    const int level = level_of_[std::min(width, height)], side = 1 << level;
+    const float* first = values.data() + static_cast<std::ptrdiff_t>(level * rows_ + tiles.top) * columns_ + tiles.left;
+    const int right = width - side, down = (height - side) * columns_;
+    float best = better(better(first[0], first[right]), better(first[down], first[down + right]));
+    for (int i = side; i < right; i += side) best = better(best, better(first[i], first[down + i]));
+    for (int i = side * columns_; i < down; i += side * columns_)
+      best = better(best, better(first[i], first[right + i]));
+    return best;
+  }
+
   int columns_ = 0, rows_ = 0, levels_ = 0;
-  std::vector<Square> squares_;       // [level][row][column]: over 2^level x 2^level tiles from there on
+  std::vector<int> level_of_;         // of the largest square that fits into a rectangle, by its shorter side
+  std::vector<float> nearest_m_;      // [level][row][column]: over 2^level x 2^level tiles from there on
+  std::vector<float> farthest_m_;     // likewise
   std::vector<std::uint8_t> usable_;  // per tile: rays enough
   cv::Mat usable_sum_;                // CV_32SC1 integral image of usable_
   std::vector<float> column_near_m_;  // scratch, per pixel column of a row of tiles

@@ -3,13 +3,15 @@
 #include <octomap/OcTree.h>
 
 #include <array>
+#include <deque>
 #include <vector>
 
 namespace flight_corridor {
 
 /// An octomap::OcTree that takes evidence for whole cubes. The way from the root to the last cube is kept, so that a
-/// neighbour costs a step or two; inner nodes are put right when the way leaves them. Nodes that leave the tree are
-/// kept for the next ones: a map built anew for each image allocates nothing.
+/// neighbour costs a step or two; inner nodes are put right when the way leaves them. It owns its nodes and uses them
+/// again: a map built anew for each image allocates nothing, and clearing it costs nothing. Only the methods declared
+/// here may change it; those of OctoMap that do not are free.
 class EvidenceTree : public octomap::OcTree {
  public:
   using octomap::OcTree::OcTree;
@@ -17,12 +19,13 @@ class EvidenceTree : public octomap::OcTree {
   EvidenceTree& operator=(const EvidenceTree&) = delete;
   ~EvidenceTree() override;
 
-  /// Adds log-odds to every cell of a cube, within the clamping limits; unknown cells begin at 0.
+  /// Adds log-odds to every cell of some of a cube's children, within the clamping limits; unknown cells begin at 0.
   /// @param key any cell of the cube.
-  /// @param depth of the cube, 0 = root.
-  void add(const octomap::OcTreeKey& key, unsigned depth, float log_odds);
+  /// @param depth of the cube, 0 = root; above the depth of cells.
+  /// @param children bit i: child i of the cube.
+  void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, float log_odds);
 
-  /// Puts the inner nodes right, prunes. Needed after the last add() before the tree is read or changed otherwise.
+  /// Puts the inner nodes right, prunes. Needed after the last evidence before the tree is read or changed otherwise.
   void settle();
 
   /// Makes all cells between two, corners of a box of cells, unknown.
@@ -41,24 +44,35 @@ class EvidenceTree : public octomap::OcTree {
   }
 
  private:
+  /// The children of a node, side by side, and OctoMap's table of those that are there.
+  struct Family {
+    octomap::AbstractOcTreeNode* children[8];
+    octomap::OcTreeNode nodes[8];
+  };
+
   void leaveUntil(unsigned depth);
   void putRight(octomap::OcTreeNode* node);
-  bool enter(const octomap::OcTreeKey& key, unsigned depth);
-  bool openRoot();
-  void addToSubtree(octomap::OcTreeNode* node, float log_odds);
+  void enter(const octomap::OcTreeKey& key, unsigned depth);
+  octomap::OcTreeNode* openChild(octomap::OcTreeNode* node, unsigned child);
+  void openRoot();
+  void split(octomap::OcTreeNode* leaf);
+  void addToChild(octomap::OcTreeNode* node, unsigned child, float log_odds);
   bool forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth, const octomap::OcTreeKey& low,
                 const octomap::OcTreeKey& high);
-  void putAway(octomap::OcTreeNode* node);
-  octomap::OcTreeNode* takeNode();
-  octomap::OcTreeNode* createChild(octomap::OcTreeNode* node, unsigned child);
+  void putAwayChildren(octomap::OcTreeNode* node);
+  static Family* familyOf(octomap::OcTreeNode* node);
+  Family& takeFamily();
+  octomap::OcTreeNode* createChild(octomap::OcTreeNode* node, unsigned i);
   unsigned sharedDepth(const octomap::OcTreeKey& key, unsigned depth) const;
 
   std::array<octomap::OcTreeNode*, 17> way_{};  // nodes from the root to the last cube
   octomap::OcTreeKey at_;                       // a cell of the last cube
   unsigned at_depth_ = 0;
   bool is_open_ = false;
-  std::vector<octomap::OcTreeNode*> spare_nodes_;
-  std::vector<octomap::AbstractOcTreeNode**> spare_tables_;
+  octomap::OcTreeNode root_node_;
+  std::deque<Family> families_;  // those ever used, in the order in which a new tree takes them
+  std::size_t families_used_ = 0;
+  std::vector<Family*> spare_families_;  // used before, out of the tree
 };
 
 }  // namespace flight_corridor

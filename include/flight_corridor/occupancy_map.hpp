@@ -65,18 +65,25 @@ class OccupancyMap {
  private:
   struct Cube;
   struct Parts;
-  enum class Sight { Free, Mixed, Nothing };
+
+  /// Cubes of one depth, as C sees them.
+  struct Orientation {
+    Eigen::Vector3f reach;         // half extents of the box square to C around a cube [m]
+    float x_m[8], y_m[8], z_m[8];  // from the centre of a cube to those of its eight parts
+  };
 
   void countPoints(const cv::Mat& depth_m, const Eigen::Isometry3f& T_M_C);
   void findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C);
+  void findRuns();
   void addHits(const Eigen::Isometry3f& T_C_M);
   void orientCubes(const Eigen::Isometry3f& T_C_M);
   void addFree(const Cube& cube);
   void project(const Cube& cube, Parts& parts) const;
-  Sight look(const Parts& parts, unsigned i, unsigned depth) const;
+  bool isFree(const Parts& parts, unsigned i, unsigned depth) const;
+  float cellDepth() const { return 2.0f * orientations_.back().reach.z(); }  // of the box around a cell
   bool isBesideView(const Parts& parts, unsigned i, unsigned depth) const;
-  void add(const octomap::OcTreeKey& key, unsigned depth, double log_odds);
-  void rememberBlocks(const octomap::OcTreeKey& key, unsigned depth);
+  void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, double log_odds);
+  void rememberBlocks(const octomap::OcTreeKey& key, unsigned depth, unsigned children);
   bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
@@ -85,11 +92,10 @@ class OccupancyMap {
   DepthPyramid pyramid_;
   CellCounts points_;
   Eigen::Array3i window_key_{0, 0, 0};           // lowest cell of the window in which points are counted
-  std::vector<float> row_hit_m_;                 // scratch: where a row's surfaces are,
-  std::vector<std::uint32_t> row_cells_;         // and their cells in the window
+  std::vector<std::uint32_t> row_cells_;         // scratch: cells of a row's points in the window
+  std::vector<int> run_ends_;                    // ... and where runs of one cell end
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
-  std::vector<Eigen::Matrix3f> half_edges_C_;    // per tree depth: columns are the cube's half edges in C
-  std::vector<Eigen::Vector3f> cube_reach_C_;    // per tree depth: half extents of the box square to C around a cube
+  std::vector<Orientation> orientations_;        // per tree depth
   octomap::KeyRay beam_;
   std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
   std::uint64_t last_block_ = 0;
