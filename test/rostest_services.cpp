@@ -154,6 +154,9 @@ TEST_F(Asker, BeforeThereIsAPairNothingIsKnown) {
   EXPECT_EQ(answer.reasons, CorridorState::NO_DATA);
   EXPECT_TRUE(answer.stamp.isZero());
   EXPECT_TRUE(octomap("octomap_full").data.empty());
+  QueryCorridor flat = boxFrom("left_optical", ahead_C());
+  flat.request.height = 0.0;
+  EXPECT_FALSE(ask(flat).success) << "no box, with a map or without";
   std_srvs::Empty reset;
   EXPECT_TRUE(call("reset", reset));
 }

@@ -18,6 +18,8 @@ using flight_corridor::QueryCorridorResponse;
 
 constexpr std::chrono::seconds kPatience(5);  // no pair takes so long: the taker hangs
 
+Eigen::Vector3d sizeOf(const QueryCorridorRequest& request) { return {request.length, request.width, request.height}; }
+
 /// Does work in the thread of the inbox's taker and waits for its result.
 /// @throws what the work throws; std::runtime_error when the taker hangs or has ended.
 template <typename Work>
@@ -79,6 +81,9 @@ octomap_msgs::GetOctomapResponse Services::fullOctomap(const octomap_msgs::GetOc
 }
 
 QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& request) try {
+  const flight_corridor::Box anywhere{Eigen::Isometry3d::Identity(), sizeOf(request)};
+  flight_corridor::throwIfBroken(check(anywhere, processor_.map().getResolution()),
+                                 "impossible box");  // also while there is no map
   const ros::Time stamp = processor_.mapHeader().stamp;
   const auto* pipeline = processor_.pipeline();
   if (!pipeline || stamp.isZero())
@@ -101,7 +106,7 @@ flight_corridor::Box Services::boxOf(const QueryCorridorRequest& request) const 
     throw std::invalid_argument("tf knows no pose of \"" + frame + "\" in \"" + map.frame_id + "\" at " +
                                 std::to_string(map.stamp.toSec()));
   }
-  return {*T_M_P * toPose(request.pose.pose), {request.length, request.width, request.height}};
+  return {*T_M_P * toPose(request.pose.pose), sizeOf(request)};
 }
 
 }  // namespace flight_corridor_ros
