@@ -77,7 +77,12 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       scale_(config.scale),
       cloud_builder_(config.cloud, geometry),
       map_(config.map, geometry),
-      corridor_(config.corridor) {}
+      corridor_(config.corridor) {
+  if (config.map.frame_id.empty()) return;
+  MapConfig forgetful = config.map;
+  forgetful.frame_id.clear();
+  frame_map_.emplace(forgetful, geometry);
+}
 
 Outcome Pipeline::addRange(const RangeReading& reading) {
   ++counters_.lidar_readings;
@@ -221,6 +226,8 @@ void Pipeline::updateMap() {
     map_.clear();
   } else {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
+    frame_map_->clear();
+    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity());
   }
   map_.insert(depth_.filled_m, T_M_C_);
   if (const double range_m = report_.range.range_m;
@@ -229,10 +236,22 @@ void Pipeline::updateMap() {
   }
 }
 
+/// What was ever seen in the box and is not known to have gone blocks it; only what this frame shows makes it free.
+CorridorOccupancy Pipeline::inspectCorridor() const {
+  const ConvexRegion observable_C = disparity_estimator_.observable();
+  const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
+  CorridorOccupancy occupancy = corridor_.inspect(map_.tree(), box(), observable_M);
+  if (frame_map_) {
+    const CorridorOccupancy now = corridor_.inspect(frame_map_->tree(), boxInCamera(), observable_C);
+    occupancy.clear_distance_m = std::min(occupancy.clear_distance_m, now.clear_distance_m);
+    occupancy.unknown_fraction = std::max(occupancy.unknown_fraction, now.unknown_fraction);
+  }
+  return occupancy;
+}
+
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
-  const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * disparity_estimator_.observable();
-  const CorridorOccupancy occupancy = corridor_.inspect(map_.tree(), box(), observable_M);
+  const CorridorOccupancy occupancy = inspectCorridor();
   const std::optional<double> beam_end_m = beamEndInBox();
   verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
   verdict.unknown_fraction = occupancy.unknown_fraction;

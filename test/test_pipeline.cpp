@@ -54,6 +54,23 @@ TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
   EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
 }
 
+TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
+  Config config;
+  config.map.frame_id = "odom";
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  for (double stamp_s = 1.0; stamp_s < 1.5; stamp_s += 0.1) {
+    pipeline.addRange(reading(stamp_s, 7.0));
+    pipeline.process(wallFrame(kGeometry, 3, stamp_s), here);
+  }
+  ASSERT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.5), here).verdict.state, State::Free);
+  StereoFrame frame = wallFrame(kGeometry, 3, 1.6);
+  for (cv::Mat* image : {&frame.left, &frame.right}) image->colRange(60, 260).setTo(128);  // something without texture
+  const Report& report = pipeline.process(frame, here);
+  EXPECT_EQ(report.verdict.state, State::Unknown);
+  EXPECT_TRUE(report.verdict.reasons & kUnobserved);
+}
+
 TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   StereoFrame frame;

@@ -120,6 +120,7 @@ class Pipeline {
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
   double lidarRange(double stamp_s) const;
   void updateMap();
+  CorridorOccupancy inspectCorridor() const;
   void decide();
   bool isCloudTooFar() const;
   std::optional<double> beamEndInBox() const;
@@ -133,6 +134,8 @@ class Pipeline {
   ScaleCorrection scale_;
   CloudBuilder cloud_builder_;
   OccupancyMap map_;
+  std::optional<OccupancyMap>
+      frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now
   Corridor corridor_;
 
   double blocked_s_ = -kInfinity;     // stamp of the last BLOCKED
