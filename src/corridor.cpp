@@ -47,8 +47,8 @@ Cube part(const octomap::OcTree& tree, const Cube& cube, unsigned child) {
 /// Depth-first search for the occupied cell in a box that is nearest along the box's axis.
 class NearestObstacle {
  public:
-  NearestObstacle(const octomap::OcTree& tree, const Box& box)
-      : tree_(tree), box_(box), forward_M_(box.T_M_F.linear().col(0)) {
+  NearestObstacle(const octomap::OcTree& tree, const Box& box, const CellBegin& begin)
+      : tree_(tree), box_(box), begin_(begin), forward_M_(box.T_M_F.linear().col(0)) {
     for (unsigned axis = 0; axis < 3; ++axis) nearest_child_ |= (forward_M_[axis] < 0.0 ? 1u : 0u) << axis;
     visit(root(tree));
   }
@@ -66,7 +66,8 @@ class NearestObstacle {
     if (near_face_m >= box_.size_m.x() - kTouch_m || std::max(0.0, near_face_m) >= clear_distance_m_) return;
     if (!intersects(box_, cube.centre_M, edge_m)) return;
     if (cube.depth == tree_.getTreeDepth()) {
-      clear_distance_m_ = std::max(0.0, near_face_m);
+      const double near_m = std::max(0.0, near_face_m);
+      clear_distance_m_ = std::min(clear_distance_m_, begin_ ? begin_(cube.centre_M, near_m) : near_m);
       return;
     }
     for (unsigned child = 0; child < 8; ++child) visit(part(tree_, cube, child ^ nearest_child_));
@@ -74,6 +75,7 @@ class NearestObstacle {
 
   const octomap::OcTree& tree_;
   const Box& box_;
+  const CellBegin& begin_;
   Eigen::Vector3d forward_M_;
   unsigned nearest_child_ = 0;
   double clear_distance_m_ = kInfinity;
@@ -252,9 +254,10 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
   return true;
 }
 
-CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M) {
+CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M,
+                             const CellBegin& begin) {
   CorridorOccupancy occupancy;
-  occupancy.clear_distance_m = NearestObstacle(tree, box).clearDistance();
+  occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
   if (isWithin(tree, box)) {
     occupancy.unknown_fraction = CellCount(tree, intersection(inside(box), needed_M)).unknownFraction();
   }
@@ -271,9 +274,9 @@ Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
   return box;
 }
 
-CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box,
-                                    const ConvexRegion& observable_M) const {
-  return inspectBox(tree, box, intersection(observable_M, beyond(box, config_.blind_m)));
+CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M,
+                                    const CellBegin& begin) const {
+  return inspectBox(tree, box, intersection(observable_M, beyond(box, config_.blind_m)), begin);
 }
 
 }  // namespace flight_corridor

@@ -240,9 +240,16 @@ void Pipeline::updateMap() {
 CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_C = disparity_estimator_.observable();
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
-  CorridorOccupancy occupancy = corridor_.inspect(map_.tree(), box(), observable_M);
+  const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
+                           const ConvexRegion& observable) {
+    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, T_M_C, box);
+    return corridor_.inspect(map.tree(), box, observable, [&](const Eigen::Vector3d& cell_centre, double near_m) {
+      return surface.begin(cell_centre, near_m);
+    });
+  };
+  CorridorOccupancy occupancy = inspect(map_, T_M_C_, box(), observable_M);
   if (frame_map_) {
-    const CorridorOccupancy now = corridor_.inspect(frame_map_->tree(), boxInCamera(), observable_C);
+    const CorridorOccupancy now = inspect(*frame_map_, Eigen::Isometry3d::Identity(), boxInCamera(), observable_C);
     occupancy.clear_distance_m = std::min(occupancy.clear_distance_m, now.clear_distance_m);
     occupancy.unknown_fraction = std::max(occupancy.unknown_fraction, now.unknown_fraction);
   }

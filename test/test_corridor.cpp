@@ -319,6 +319,19 @@ TEST(Corridor, CellsBesideTheBoxBlockItCellsBehindItsEndDoNot) {
   EXPECT_EQ(clear(4.05f, 0.05f), kInfinity);
 }
 
+TEST(Corridor, WhatCellsHoldDecidesWhereTheyBegin) {
+  octomap::OcTree tree(kResolution_m);
+  for (const float x : {1.05f, 2.05f, 2.15f, 3.05f}) tree.setNodeValue(octomap::point3d(x, 0.05f, 0.05f), 1.0f);
+  const Box box = Corridor(CorridorConfig()).box(Eigen::Isometry3d::Identity());
+  const auto begin = [](const Eigen::Vector3d& cell_centre_M, double near_m) {
+    EXPECT_NEAR(near_m, cell_centre_M.x() - 0.05, 1e-6);
+    if (cell_centre_M.x() < 2.0) return kInfinity;                   // nothing in the box
+    return cell_centre_M.x() < 2.1 ? near_m + 0.15 : near_m + 0.01;  // 2.15 m and 2.11 m
+  };
+  EXPECT_NEAR(inspectBox(tree, box, kEverywhere, begin).clear_distance_m, 2.11, 1e-6);
+  EXPECT_NEAR(inspectBox(tree, box, kEverywhere).clear_distance_m, 1.0, 1e-6);
+}
+
 TEST(Corridor, OffsetShiftsTheBoxForwardLeftAndUp) {
   CorridorConfig config;
   config.offset_m = {0.5, 0.2, -0.1};

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <string>
 
 #include "flight_corridor/types.hpp"
@@ -40,16 +41,22 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
 /// What the octree says of a box.
 struct CorridorOccupancy {
   double clear_distance_m =
-      kInfinity;                  ///< Along the box's axis to the nearest occupied cell's near face; +inf when none.
+      kInfinity;                  ///< Along the box's axis to where the nearest occupied cell begins; +inf when none.
   double unknown_fraction = 1.0;  ///< Unknown share of the cells that should be known; 1 when there is none of these.
 };
+
+/// Where along a box's axis [m] what an occupied cell holds of it begins; +inf where it holds nothing in the box.
+/// @param near_m where the cell itself begins.
+using CellBegin = std::function<double(const Eigen::Vector3d& cell_centre_M, double near_m)>;
 
 /// The nearest occupied cell that shares a point with the box, and the unknown share of the cells centred in it. Both
 /// by descent: cubes outside are left out, cubes wholly inside are decided at once. A box thinner than a cell may hold
 /// no cell's centre, one that reaches out of the octree is not judged by its part inside: both are unknown altogether.
 /// @param tree inner nodes up to date (octomap::OcTree::updateInnerOccupancy).
 /// @param needed_M cells centred outside this region of M need not be known.
-CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M);
+/// @param begin no less than near_m; without it cells are taken to be full.
+CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M,
+                             const CellBegin& begin = nullptr);
 
 /// The UAV-sized box ahead, tested against an octree.
 class Corridor {
@@ -63,7 +70,8 @@ class Corridor {
 
   /// inspectBox() where only what lies beyond blind_m must be known.
   /// @param observable_M what must have been seen for the box to be free.
-  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M) const;
+  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M,
+                            const CellBegin& begin = nullptr) const;
 
  private:
   CorridorConfig config_;

@@ -12,6 +12,7 @@
 #include "flight_corridor/range_fusion.hpp"
 #include "flight_corridor/scale_correction.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/surface_in_box.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {

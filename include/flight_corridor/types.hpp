@@ -92,7 +92,7 @@ std::string describeReasons(std::uint32_t reasons);
 struct Verdict {
   double stamp_s = kNaN;
   State state = State::Unknown;
-  double clear_distance_m = kNaN;  ///< Along the box's axis to the first occupied cell; +inf: none, NaN: not looked at.
+  double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
   double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1].
   std::uint32_t reasons = 0;       ///< Bit set of Reason.
 };
