@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <random>
 #include <stdexcept>
 
 #include "flight_corridor/disparity_estimator.hpp"
+#include "sim/simulation.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 
@@ -100,6 +102,20 @@ TEST(DisparityEstimator, TheFillInventsNothingWhereNothingMatched) {
   estimator.estimate(frame, disparity);
   EXPECT_EQ(cv::countNonZero(disparity.filtered_px.rowRange(0, 100) > 0.0), 0);
   EXPECT_GT(shareRight(disparity.filtered_px.rowRange(130, 240), 12.0), 0.75);
+}
+
+TEST(DisparityEstimator, NearThingsAreNotSpreadOverTheSky) {
+  sim::SimulationOptions options;
+  options.scene = "side_obstacles";
+  options.seed = 4;
+  options.rate_hz = 3.0;
+  const sim::Simulation simulation(options);
+  DisparityEstimator estimator(StereoConfig(), StereoGeometry(simulation.calibration()));
+  Disparity disparity;
+  estimator.estimate(simulation.frame(5), disparity);  // saturated above, a post beside the camera
+  cv::Mat matched_around;
+  cv::dilate(disparity.matched_px == disparity.matched_px, matched_around, cv::Mat::ones(31, 31, CV_8U));
+  EXPECT_EQ(cv::countNonZero((disparity.filtered_px == disparity.filtered_px) & ~matched_around), 0);
 }
 
 TEST(DisparityEstimator, ConfidenceLiesBetweenZeroAndOneAndWeakFillsAreLeftOut) {
