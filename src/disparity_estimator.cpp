@@ -18,6 +18,7 @@ constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
 constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
 constexpr int kSupport_px = 31;           // matches so far around support a fill
 constexpr double kSupportSlack_px = 1.0;  // rounding of disparity at half size
+constexpr double kLeastWeight = 1e-3;     // about one match around
 constexpr float kSmallestDisparity_px = 1.0f / kFixedPoint;  // "as far as can be told"
 
 std::optional<int> matcherMode(const std::string& name) {
@@ -151,6 +152,7 @@ void DisparityEstimator::fill(Disparity& out) {
   toPixels(filtered_fixed_(image_area_), keep_, out.filtered_px);
   removeDifference(out.filtered_px);
   rejectInvented(out);
+  alignFill(out);
 }
 
 /// A fill interpolates: what lies outside the matches around it, or has none around it, was invented, however
@@ -165,6 +167,19 @@ void DisparityEstimator::rejectInvented(Disparity& out) {
   cv::erode(support_, lowest_, kAround);
   cv::bitwise_or(out.filtered_px > highest_ + kSupportSlack_px, out.filtered_px < lowest_ - kSupportSlack_px, keep_);
   out.filtered_px.setTo(kNaN, keep_);
+}
+
+/// Half size draws a fill towards whole pixels, by up to half a pixel: it is moved by what the matches around, on the
+/// same surface, differ from it in the mean.
+void DisparityEstimator::alignFill(Disparity& out) {
+  cv::subtract(out.matched_px, out.filtered_px, difference_);
+  cv::compare(cv::abs(difference_), kSupportSlack_px, keep_, cv::CMP_LE);
+  difference_.setTo(0.0, ~keep_);
+  keep_.convertTo(weight_, CV_32F, 1.0 / 255.0);
+  cv::boxFilter(difference_, difference_, CV_32F, {kSupport_px, kSupport_px});
+  cv::boxFilter(weight_, weight_, CV_32F, {kSupport_px, kSupport_px});
+  cv::divide(difference_, cv::max(weight_, kLeastWeight), difference_);
+  out.filtered_px += difference_;
 }
 
 /// 0 <= u = fx x/z + cx is fx x + cx z >= 0, and so on; in the right image x is less by the baseline.

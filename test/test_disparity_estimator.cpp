@@ -26,6 +26,22 @@ bool contains(const ConvexRegion& region_C, const Eigen::Vector3d& p_C) {
   return ((region_C.transpose() * p_C.homogeneous()).array() >= 0.0).all();
 }
 
+/// A wall between whole disparities, with spots that have no texture.
+StereoFrame spottedWall(const StereoGeometry& geometry, double disparity_px) {
+  cv::Mat wall(geometry.size(), CV_8UC1);
+  cv::RNG random(5);
+  random.fill(wall, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(wall, wall, {0, 0}, 1.5);
+  for (int v = 10; v < wall.rows; v += 24) {
+    for (int u = 10; u < wall.cols; u += 24) cv::circle(wall, {u, v}, 5, cv::Scalar(128), cv::FILLED, cv::LINE_AA);
+  }
+  StereoFrame frame;
+  frame.left = wall;
+  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1.0, 0.0, -disparity_px, 0.0, 1.0, 0.0);
+  cv::warpAffine(wall, frame.right, shift, wall.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
+  return frame;
+}
+
 TEST(DisparityEstimator, FindsTheDisparityOfATexturedWall) {
   const StereoGeometry geometry(smallCalibration());
   DisparityEstimator estimator(StereoConfig(), geometry);
@@ -116,6 +132,18 @@ TEST(DisparityEstimator, NearThingsAreNotSpreadOverTheSky) {
   cv::Mat matched_around;
   cv::dilate(disparity.matched_px == disparity.matched_px, matched_around, cv::Mat::ones(31, 31, CV_8U));
   EXPECT_EQ(cv::countNonZero((disparity.filtered_px == disparity.filtered_px) & ~matched_around), 0);
+}
+
+TEST(DisparityEstimator, TheFillIsNotDrawnToWholePixels) {
+  const StereoGeometry geometry(smallCalibration());
+  DisparityEstimator estimator(StereoConfig(), geometry);
+  for (const double expected_px : {10.0, 10.3, 10.5, 11.0, 11.4}) {
+    Disparity disparity;
+    estimator.estimate(spottedWall(geometry, expected_px), disparity);
+    const cv::Mat filled = ~(disparity.matched_px == disparity.matched_px) & (disparity.filtered_px > 0.0);
+    ASSERT_GT(cv::countNonZero(filled), 1000) << expected_px;
+    EXPECT_NEAR(cv::mean(disparity.filtered_px, filled)[0], expected_px, 0.1) << expected_px;  // one sigma of a match
+  }
 }
 
 TEST(DisparityEstimator, ConfidenceLiesBetweenZeroAndOneAndWeakFillsAreLeftOut) {

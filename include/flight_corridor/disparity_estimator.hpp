@@ -60,6 +60,7 @@ class DisparityEstimator {
   double leastTexture(const cv::Mat& image) const;
   void fill(Disparity& out);
   void rejectInvented(Disparity& out);
+  void alignFill(Disparity& out);
   void toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const;
   void removeDifference(cv::Mat& disparity_px) const;
 
@@ -77,7 +78,7 @@ class DisparityEstimator {
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
   cv::Mat balanced_right_, left_padded_, right_padded_, left_half_, right_half_;
   cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_, keep_;
-  cv::Mat support_, lowest_, highest_;
+  cv::Mat support_, lowest_, highest_, difference_, weight_;
 };
 
 }  // namespace flight_corridor
