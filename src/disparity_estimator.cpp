@@ -159,7 +159,7 @@ void DisparityEstimator::fill(Disparity& out) {
 /// confident.
 void DisparityEstimator::rejectInvented(Disparity& out) {
   static const cv::Mat kAround = cv::getStructuringElement(cv::MORPH_RECT, {kSupport_px, kSupport_px});
-  const cv::Mat unmatched = ~(out.matched_px == out.matched_px);  // OpenCV 4.6 takes NaN != NaN for false
+  const cv::Mat unmatched = ~(out.matched_px == out.matched_px);  // NaN != NaN is false in OpenCV's vector code
   out.matched_px.copyTo(support_);
   support_.setTo(-kInfinity, unmatched);
   cv::dilate(support_, highest_, kAround);

@@ -114,7 +114,7 @@ void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out) {
   cv::Mat grey;
   depth_m.convertTo(grey, CV_8U, -255.0 / max_depth_m, 255.0);  // near bright; further than the maximum saturates at 0
   cv::applyColorMap(grey, out, cv::COLORMAP_TURBO);
-  out.setTo(cv::Scalar(0, 0, 0), depth_m != depth_m);
+  out.setTo(cv::Scalar(0, 0, 0), ~(depth_m == depth_m));  // NaN != NaN is false in OpenCV's vector code
 }
 
 void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict& verdict, double ahead_m,

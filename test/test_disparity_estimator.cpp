@@ -167,7 +167,8 @@ TEST(DisparityEstimator, TheSameFrameGivesTheSameDisparity) {
   other.estimate(wallFrame(geometry, 40, 0.0), b);  // leaves its scratch images behind
   one.estimate(wallFrame(geometry, 9, 0.0), a);
   other.estimate(wallFrame(geometry, 9, 0.0), b);
-  EXPECT_EQ(cv::countNonZero(a.matched_px != b.matched_px), cv::countNonZero(a.matched_px != a.matched_px));
+  EXPECT_EQ(cv::countNonZero(a.matched_px == b.matched_px), cv::countNonZero(a.matched_px == a.matched_px));
+  EXPECT_EQ(cv::countNonZero(b.matched_px == b.matched_px), cv::countNonZero(a.matched_px == a.matched_px));
 }
 
 TEST(DisparityEstimator, ObservesWhatBothImagesShowWithinTheSearchedRange) {

@@ -45,9 +45,9 @@ TEST(DisparityRefiner, WhatWasNothingStaysNothing) {
   const Pair pair(10.0);
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(10.0));
   disparity_px(cv::Rect(100, 50, 30, 20)).setTo(kNothing);
-  const cv::Mat nothing = disparity_px != disparity_px;
+  const cv::Mat something = disparity_px == disparity_px;
   DisparityRefiner().refine(pair.left, pair.right, disparity_px);
-  EXPECT_EQ(cv::countNonZero((disparity_px != disparity_px) != nothing), 0);
+  EXPECT_EQ(cv::countNonZero((disparity_px == disparity_px) != something), 0);
 }
 
 TEST(DisparityRefiner, AStepBetweenSurfacesStaysAStep) {
