@@ -77,26 +77,38 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
   if (wants_overlay || !options_.video.empty()) {
     drawOverlay(left, pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range, overlay_);
   }
-  if (wants_overlay) {
-    writeImage(fs::path(options_.overlay_folder) / (numbered(index) + "_" + toString(state) + ".png"), overlay_);
-  }
+  if (wants_overlay) writeOverlay(index, pipeline, report);
   if (!options_.depth_folder.empty()) {
     toMillimetres(pipeline.depth().matched_m, depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "matched" / (numbered(index) + ".png"), depth_mm_);
     toMillimetres(pipeline.depth().filled_m, depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "filled" / (numbered(index) + ".png"), depth_mm_);
   }
-  if (!options_.video.empty()) writeVideoFrame(overlay_, pipeline, report);
+  if (!options_.video.empty()) writeVideoFrame(pipeline, report);
   last_state_ = state;
 }
 
-void Pictures::writeVideoFrame(const cv::Mat& overlay, const Pipeline& pipeline, const Report& report) {
+/// What it takes to see why a frame got its verdict: verdict and box, evidence, evidence and fill, cells.
+void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const Report& report) {
+  const double ahead_m = pipeline.config().map.max_range_m;
+  drawDepth(pipeline.depth().matched_m, ahead_m, matched_);
+  drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
+  drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, overlay_.size(), map_);
+  cv::Mat lower;
+  cv::hconcat(overlay_, matched_, panels_);
+  cv::hconcat(depth_, map_, lower);
+  cv::vconcat(panels_, lower, panels_);
+  const std::string name = numbered(index) + "_" + toString(report.verdict.state) + ".png";
+  writeImage(fs::path(options_.overlay_folder) / name, panels_);
+}
+
+void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
   drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m,
                    cv::Size(kPanelHeight_px, kPanelHeight_px), map_);
   panels_.release();
-  appendPanel(overlay, panels_);
+  appendPanel(overlay_, panels_);
   appendPanel(depth_, panels_);
   appendPanel(map_, panels_);
   if (!video_.isOpened()) {

@@ -11,10 +11,11 @@ namespace flight_corridor::tools {
 
 /// What to draw of each processed frame; "" = not.
 struct PictureOptions {
-  std::string overlay_folder;  ///< NNNNNN_STATE.png at each change of verdict.
-  int overlay_every = 0;       ///< ... and at every so many frames; 0: changes only.
-  std::string depth_folder;    ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
-  std::string video;           ///< AVI (motion JPEG): overlay, depth, and the map from above.
+  std::string
+      overlay_folder;        ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth, filled depth, map.
+  int overlay_every = 0;     ///< ... and at every so many frames; 0: changes only.
+  std::string depth_folder;  ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
+  std::string video;         ///< AVI (motion JPEG): overlay, depth, and the map from above.
   double video_rate_hz = 10.0;
 };
 
@@ -31,12 +32,13 @@ class Pictures {
 
  private:
   bool wantsOverlay(std::size_t index, State state) const;
-  void writeVideoFrame(const cv::Mat& overlay, const Pipeline& pipeline, const Report& report);
+  void writeOverlay(std::size_t index, const Pipeline& pipeline, const Report& report);
+  void writeVideoFrame(const Pipeline& pipeline, const Report& report);
 
   PictureOptions options_;
   std::optional<State> last_state_;
   cv::VideoWriter video_;
-  cv::Mat overlay_, depth_, map_, depth_mm_, panels_;
+  cv::Mat overlay_, matched_, depth_, map_, depth_mm_, panels_;
 };
 
 }  // namespace flight_corridor::tools

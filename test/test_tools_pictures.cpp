@@ -1,0 +1,36 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "support/calibrations.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/wall_scene.hpp"
+#include "tools/pictures.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+using test_support::wallFrame;
+
+TEST(ToolsPictures, AChangeOfVerdictIsDrawnWithItsEvidence) {
+  const test_support::TemporaryFolder folder;
+  const StereoGeometry geometry(test_support::smallCalibration());
+  Pipeline pipeline(Config(), geometry, Rig());
+  PictureOptions options;
+  options.overlay_folder = folder.path("overlays");
+  Pictures pictures(options);
+  const auto add = [&](std::size_t index) {
+    const StereoFrame frame = wallFrame(geometry, 7, 1.0 + 0.1 * static_cast<double>(index));  // 3 m
+    const Report& report = pipeline.process(frame);
+    pictures.add(index, frame.left, pipeline, report);
+  };
+  add(0);
+  add(1);
+  const cv::Mat drawn = cv::imread(options.overlay_folder + "/000000_BLOCKED.png");
+  EXPECT_EQ(drawn.size(), geometry.size() * 2);  // overlay and matched depth above, filled depth and map below
+  EXPECT_FALSE(std::filesystem::exists(options.overlay_folder + "/000001_BLOCKED.png")) << "no change";
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools
