@@ -11,8 +11,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kTooManyRepetitions = 3;     // of a LiDAR's reading to the last bit: noise hardly allows that
-constexpr double kClockSetBack_s = 5.0;    // no reading is so late
 constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 constexpr std::uint32_t kMapInDoubt =      // reasons of a frame that left no evidence in the map, or none to trust
@@ -94,12 +92,7 @@ Outcome Pipeline::addRange(const RangeReading& reading) {
   }
   counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
   counters_.lidar_gated += outcome == Outcome::Gated;
-  const double later_s = lidar_ ? reading.stamp_s - lidar_->reading.stamp_s : 0.0;
-  const bool set_back = later_s < -kClockSetBack_s;
-  if (std::isfinite(reading.stamp_s) && (later_s >= 0.0 || set_back)) {
-    const bool repeats = lidar_ && reading.range_m == lidar_->reading.range_m;
-    lidar_ = LidarMemory{reading, outcome, repeats ? lidar_->repetitions + 1 : 0};
-  }
+  lidar_.add(reading, isFused(outcome));
   return outcome;
 }
 
@@ -171,12 +164,11 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
 /// D_c from the beam's footprint, d_K from both sensors, and what the two teach about the rig's scale.
 void Pipeline::fuseRange(double stamp_s) {
   const RangeEstimate expected = fusion_.at(stamp_s);
-  const double beam_width_rad = lidar_ ? lidar_->reading.field_of_view_rad : 0.0;
-  auto stereo = beam_.read(disparity_.matched_px, expected.range_m, beam_width_rad);
+  auto stereo = beam_.read(disparity_.matched_px, expected.range_m, lidar_.beamWidth());
   if (stereo) {
     learnScale(stamp_s, *stereo, expected);
   } else {
-    stereo = beam_.read(disparity_.filtered_px, expected.range_m, beam_width_rad);
+    stereo = beam_.read(disparity_.filtered_px, expected.range_m, lidar_.beamWidth());
     if (stereo) stereo->disparity_sigma_px = std::hypot(stereo->disparity_sigma_px, kFillSigma_px);
   }
   double reference_px = geometry_.disparity(kReferenceDepth_m);
@@ -205,7 +197,7 @@ double Pipeline::stereoVariance(const FootprintReading& stereo) const {
 /// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
 /// and one that repeats itself may be frozen: the scale would follow it away from the truth.
 void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
-  const bool has_lidar = std::isfinite(lidarRange(stamp_s)) && lidar_->repetitions < kTooManyRepetitions;
+  const bool has_lidar = std::isfinite(lidarRange(stamp_s)) && !lidar_.repeatsItself();
   if (!has_lidar || expected.disagreement || !std::isfinite(expected.range_m)) return;
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);
@@ -215,11 +207,7 @@ void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const 
 }
 
 /// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
-double Pipeline::lidarRange(double stamp_s) const {
-  const bool usable =
-      lidar_ && isFused(lidar_->outcome) && std::abs(stamp_s - lidar_->reading.stamp_s) <= config_.fusion.max_gap_s;
-  return usable ? lidar_->reading.range_m : kNaN;
-}
+double Pipeline::lidarRange(double stamp_s) const { return lidar_.range(stamp_s, config_.fusion.max_gap_s); }
 
 void Pipeline::updateMap() {
   if (config_.map.frame_id.empty()) {
@@ -281,8 +269,8 @@ void Pipeline::decide() {
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
   because(report_.range.disagreement, kDisagreement);
-  because(std::isnan(report_.range_lidar_m), kNoLidar);
-  because(lidar_ && !isFused(lidar_->outcome), kLidarRejected);
+  because(std::isnan(report_.range_lidar_m) || lidar_.isSlow(verdict.stamp_s), kNoLidar);
+  because(lidar_.isRejected(), kLidarRejected);
   because(std::isnan(report_.range.range_m), kNoRangeObserved);
 }
 
@@ -332,7 +320,7 @@ void Pipeline::reset() {
   fusion_.reset();
   scale_.reset();
   map_.clear();
-  lidar_.reset();
+  lidar_ = LidarWatch();
   seen_.fill(Seen());
   blocked_s_ = -kInfinity;
   report_ = Report();

@@ -11,7 +11,6 @@ constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotor
 constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
-constexpr double kClockSetBack_s = 5.0;  // nothing is so late: the clock was set back, or the newest stamp was wrong
 constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
 
 double squared(double value) { return value * value; }

@@ -1,5 +1,6 @@
 #include "flight_corridor/scale_correction.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -7,9 +8,11 @@ namespace flight_corridor {
 
 namespace {
 
-// Far away an offset is a larger share of the disparity, so more is learnt from than is applied: only where it brings
-// the world nearer, which is the safe side.
-constexpr double kLearntInwards = 2.0;
+// Pairs may ask for more than is ever applied, since far away an offset is a larger share of the disparity: for twice
+// as much where they bring the world nearer, which is the safe side, else for what 1 px is at 8 m with a usual rig.
+constexpr double kLearntInwards = 2.0, kLearntOutwards = 1.3;
+constexpr double kNotSignificant = 2.0, kSignificant = 3.0;  // sigmas: what is learnt is applied not at all, in full
+constexpr double kMatchBias_px = 0.05;  // of all matches of one surface: more of them do not make it smaller
 
 }  // namespace
 
@@ -33,7 +36,7 @@ ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
 
 void ScaleCorrection::reset() {
   stamp_s_ = kNaN;
-  mean_ = {1.0, 0.0};
+  mean_ = applied_ = {1.0, 0.0};
   covariance_ =
       Eigen::Vector2d(std::pow(config_.prior_sigma, 2), std::pow(config_.offset_prior_sigma_px, 2)).asDiagonal();
 }
@@ -48,7 +51,8 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
                       std::isfinite(measured_px + expected_px + sigma_px);
   if (!usable) return false;
   const double stretch = measured_px / expected_px - 1.0;
-  if (!(-kLearntInwards * config_.max_correction <= stretch && stretch <= config_.max_correction)) return false;
+  if (!(-kLearntInwards * config_.max_correction <= stretch && stretch <= kLearntOutwards * config_.max_correction))
+    return false;
 
   const double share = std::pow(expected_sigma_px / sigma_px, 2);
   const Eigen::Vector2d h(share * measured_px + (1.0 - share) * (expected_px - mean_[1]) / mean_[0], 1.0);
@@ -62,12 +66,24 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
   mean_ += gain * innovation;
   covariance_ -= gain * (h.transpose() * covariance_).eval();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose().eval());
+  applied_ = significant();
   return true;
+}
+
+/// The model, as far as it differs from a faultless rig by more than chance and the matches' bias explain: faultless
+/// below kNotSignificant, itself from kSignificant on (Mahalanobis distance), between the two in proportion.
+Eigen::Vector2d ScaleCorrection::significant() const {
+  const Eigen::Vector2d faultless(1.0, 0.0), error = mean_ - faultless;
+  Eigen::Matrix2d chance = covariance_;
+  chance(1, 1) += kMatchBias_px * kMatchBias_px;
+  const double sigmas = std::sqrt(error.dot(chance.ldlt().solve(error)));
+  const double share = std::clamp((sigmas - kNotSignificant) / (kSignificant - kNotSignificant), 0.0, 1.0);
+  return faultless + share * error;
 }
 
 double ScaleCorrection::correct(double disparity_px) const {
   if (!(disparity_px > 0.0)) return kNaN;
-  const double corrected = mean_[0] * disparity_px + mean_[1];
+  const double corrected = applied_[0] * disparity_px + applied_[1];
   return std::clamp(corrected, disparity_px / (1.0 + config_.max_correction),
                     disparity_px / (1.0 - config_.max_correction));
 }

@@ -47,6 +47,32 @@ TEST(ScaleCorrection, LearnsScaleAndOffsetFromAVaryingRange) {
   }
 }
 
+TEST(ScaleCorrection, WhatChanceExplainsIsNotApplied) {
+  for (const double bias_px : {-0.05, 0.0, 0.05}) {  // of all matches of the surface, however long it is looked at
+    ScaleCorrection scale((ScaleConfig()));
+    teach(scale, 1.0, bias_px, 6.0, 2.0, 900);
+    for (double disparity_px = 5.0; disparity_px < 30.0; disparity_px += 5.0) {
+      EXPECT_EQ(scale.correct(disparity_px), disparity_px) << "bias " << bias_px;
+    }
+  }
+}
+
+TEST(ScaleCorrection, WhatBecomesSignificantDoesNotJump) {
+  // A rig that slowly loses its calibration, 1 % in 10 s: no pair may move a surface at 4 m by more than 0.5 %.
+  ScaleCorrection scale((ScaleConfig()));
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.03);
+  const double reference_px = kGeometry.disparity(4.0);
+  double before = scale.scale(reference_px);
+  for (int i = 0; i < 1800; ++i) {
+    const double true_px = kGeometry.disparity(4.0 + 2.0 * std::sin(i / 30.0)), a = 1.0 + 0.001 * i / 30.0;
+    scale.update(i / 30.0, true_px / a + noise(random), true_px, 0.1, 0.02);
+    EXPECT_NEAR(scale.scale(reference_px), before, 0.005) << "after " << i / 30.0 << " s";
+    before = scale.scale(reference_px);
+  }
+  EXPECT_NEAR(before, 1.0 / 1.06, 0.02);
+}
+
 TEST(ScaleCorrection, OneReadingMovesItNoFurtherThanTheBound) {
   ScaleConfig config;
   config.prior_sigma = 1.0;

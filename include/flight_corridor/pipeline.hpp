@@ -8,6 +8,7 @@
 #include "flight_corridor/cloud_builder.hpp"
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/lidar_watch.hpp"
 #include "flight_corridor/occupancy_map.hpp"
 #include "flight_corridor/range_fusion.hpp"
 #include "flight_corridor/scale_correction.hpp"
@@ -107,12 +108,6 @@ class Pipeline {
     double stamp_s = kNaN;
     std::size_t left = 0, right = 0;
   };
-  struct LidarMemory {
-    RangeReading reading;
-    Outcome outcome;
-    int repetitions = 0;  // of its range, by the readings before it
-  };
-
   bool isFrozen(const StereoFrame& frame);
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
@@ -139,10 +134,10 @@ class Pipeline {
       frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now
   Corridor corridor_;
 
-  double blocked_s_ = -kInfinity;     // stamp of the last BLOCKED
-  std::optional<LidarMemory> lidar_;  // newest reading
-  std::array<Seen, 8> seen_;          // the last pairs; drivers that hang repeat one buffer or a few
-  cv::Mat left_;                      // own copy: the caller may reuse its own
+  double blocked_s_ = -kInfinity;  // stamp of the last BLOCKED
+  LidarWatch lidar_;
+  std::array<Seen, 8> seen_;  // the last pairs; drivers that hang repeat one buffer or a few
+  cv::Mat left_;              // own copy: the caller may reuse its own
   Disparity disparity_;
   DepthImages depth_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();

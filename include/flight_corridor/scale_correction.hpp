@@ -8,11 +8,10 @@ namespace flight_corridor {
 
 struct ScaleConfig {
   bool enabled = true;
-  double max_correction = 0.15;        ///< Largest relative change of a depth.
-  double prior_sigma = 0.07;           ///< How wrong the calibration's scale is expected to be.
-  double offset_prior_sigma_px = 0.5;  ///< How wrong its disparity offset is expected to be.
-  double disparity_sigma_px = 0.3;  ///< Of a learnt pair: more than a reading's noise, since a match's sub-pixel bias
-                                    ///< repeats from frame to frame.
+  double max_correction = 0.15;            ///< Largest relative change of a depth.
+  double prior_sigma = 0.07;               ///< How wrong the calibration's scale is expected to be.
+  double offset_prior_sigma_px = 0.7;      ///< How wrong its disparity offset is expected to be.
+  double disparity_sigma_px = 0.1;         ///< Of a learnt pair's match.
   double drift_sigma_per_sqrt_s = 0.0005;  ///< Slow forgetting of the scale.
   double gate_sigma = 3.0;                 ///< Pairs further from the model are not learnt from.
 };
@@ -20,7 +19,8 @@ Violations check(const ScaleConfig& config);
 
 /// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's:
 /// d_true = a*d + b, a Bayesian linear regression in disparity. With one range only, the prior shares the error between
-/// a (baseline, focal length) and b (relative yaw); a varying range separates them.
+/// a (baseline, focal length) and b (relative yaw); a varying range separates them. What is learnt is applied once it
+/// is significant: a faultless rig stays as it is.
 class ScaleCorrection {
  public:
   /// @throws std::invalid_argument with every broken rule.
@@ -42,10 +42,13 @@ class ScaleCorrection {
   void reset();
 
  private:
+  Eigen::Vector2d significant() const;
+
   ScaleConfig config_;
   double stamp_s_ = kNaN;
   Eigen::Vector2d mean_;  // a [-], b [px]
   Eigen::Matrix2d covariance_;
+  Eigen::Vector2d applied_;  // as mean_, where it is significant
 };
 
 }  // namespace flight_corridor

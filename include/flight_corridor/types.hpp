@@ -14,6 +14,9 @@ namespace flight_corridor {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// No reading is so late: the clock was set back, or the newest stamp was wrong.
+constexpr double kClockSetBack_s = 5.0;
+
 /// Broken configuration rules as sentences "section/key: rule (value)"; empty when all hold.
 using Violations = std::vector<std::string>;
 
@@ -78,7 +81,8 @@ enum Reason : std::uint32_t {
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
   kDisagreement =
       1u << 8,         ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the LiDAR.
-  kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading; stereo alone answers.
+  kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or its rate fell below a third; stereo answers alone,
+                       ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
   kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.

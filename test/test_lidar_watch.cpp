@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "flight_corridor/lidar_watch.hpp"
+
+namespace flight_corridor {
+namespace {
+
+RangeReading reading(double stamp_s, double range_m) { return {stamp_s, range_m, 0.2, 100.0, 0.01}; }
+
+/// Believed readings of an approach, from one stamp to before another.
+void feed(LidarWatch& watch, double from_s, double until_s, double rate_hz) {
+  const int count = static_cast<int>(std::lround((until_s - from_s) * rate_hz));
+  for (int i = 0; i < count; ++i) {
+    const double stamp_s = from_s + i / rate_hz;
+    watch.add(reading(stamp_s, 50.0 - stamp_s), true);
+  }
+}
+
+TEST(LidarWatch, KnowsNothingBeforeTheFirstReading) {
+  const LidarWatch watch;
+  EXPECT_TRUE(std::isnan(watch.range(1.0, 0.5)));
+  EXPECT_FALSE(watch.isRejected());
+  EXPECT_FALSE(watch.repeatsItself());
+  EXPECT_FALSE(watch.isSlow(1.0));
+  EXPECT_EQ(watch.beamWidth(), 0.0);
+}
+
+TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
+  LidarWatch watch;
+  watch.add(reading(1.0, 5.0), true);
+  watch.add(reading(0.9, 6.0), true);  // late
+  EXPECT_EQ(watch.range(1.2, 0.5), 5.0);
+  EXPECT_TRUE(std::isnan(watch.range(1.6, 0.5)));
+  watch.add(reading(1.1, 14.0), false);
+  EXPECT_TRUE(std::isnan(watch.range(1.2, 0.5)));
+  EXPECT_TRUE(watch.isRejected());
+}
+
+TEST(LidarWatch, NoticesWhatRepeatsToTheLastBit) {
+  LidarWatch watch;
+  feed(watch, 0.0, 1.0, 100.0);
+  EXPECT_FALSE(watch.repeatsItself());
+  for (int i = 0; i < 4; ++i) watch.add(reading(1.0 + 0.01 * i, 7.0), true);
+  EXPECT_TRUE(watch.repeatsItself());
+  watch.add(reading(1.1, 6.9), true);
+  EXPECT_FALSE(watch.repeatsItself());
+}
+
+TEST(LidarWatch, NoticesWithinHalfASecondThatTheRateFell) {
+  LidarWatch watch;
+  feed(watch, 0.0, 2.0, 100.0);
+  feed(watch, 2.0, 4.0, 5.0);
+  for (double stamp_s = 2.5; stamp_s < 3.9; stamp_s += 0.1) EXPECT_TRUE(watch.isSlow(stamp_s)) << stamp_s;
+  feed(watch, 4.0, 4.3, 100.0);
+  EXPECT_FALSE(watch.isSlow(4.3));
+}
+
+TEST(LidarWatch, TakesNoSteadyRateForSlow) {
+  for (const double rate_hz : {5.0, 10.0, 100.0, 1000.0}) {
+    LidarWatch watch;
+    feed(watch, 0.0, 3.0, rate_hz);
+    for (double stamp_s = 2.8; stamp_s < 3.0 + 0.5 / rate_hz; stamp_s += 0.013) {
+      EXPECT_FALSE(watch.isSlow(stamp_s)) << rate_hz << " Hz at " << stamp_s;
+    }
+  }
+}
+
+TEST(LidarWatch, TakesBurstsOfALinkForWhatTheyAre) {
+  LidarWatch watch;
+  for (int burst = 0; burst < 20; ++burst) {  // 100 Hz, ten at once
+    for (int i = 0; i < 10; ++i) watch.add(reading(0.1 * burst + 0.0001 * i, 50.0 - burst - 0.1 * i), true);
+    EXPECT_FALSE(watch.isSlow(0.1 * burst + 0.099)) << burst;
+  }
+}
+
+TEST(LidarWatch, BeginsAnewWhenTheClockIsSetBack) {
+  LidarWatch watch;
+  feed(watch, 100.0, 101.0, 100.0);
+  watch.add(reading(1.0, 5.0), true);
+  EXPECT_EQ(watch.range(1.0, 0.5), 5.0);
+  EXPECT_FALSE(watch.isSlow(1.0));
+}
+
+}  // namespace
+}  // namespace flight_corridor
