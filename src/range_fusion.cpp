@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
 constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
+constexpr double kSureOfRate = 1.0;          // sigmas
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
 constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
@@ -131,7 +132,7 @@ void RangeFusion::initialise(Filter& filter, const Reading& reading, double rate
 
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
   if (reading.kind != Kind::Acceleration) {
-    watchRepetition(filter.repetition, reading);
+    watchRepetition(filter, reading);
     const bool refused = reading.kind == Kind::Lidar && filter.repetition.isFrozen() && !isBefore(reading, filter);
     return refused ? Outcome::Gated : correct(filter, reading);
   }
@@ -141,10 +142,19 @@ Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
   return Outcome::Accepted;
 }
 
-/// A LiDAR that repeats itself while stereo moves is frozen, until it says something else.
-void RangeFusion::watchRepetition(Repetition& repetition, const Reading& reading) const {
+/// A LiDAR that repeats itself while the range goes on changing, or stereo moves, is frozen, until it says something
+/// else.
+void RangeFusion::watchRepetition(Filter& filter, const Reading& reading) const {
+  Repetition& repetition = filter.repetition;
   if (reading.kind == Kind::Lidar) {
-    if (reading.value != repetition.lidar_m) repetition = {reading.value, reading.stamp_s, kNaN, kNaN, 0};
+    if (reading.value != repetition.lidar_m) {
+      repetition = Repetition();
+      repetition.lidar_m = reading.value;
+      repetition.since_s = reading.stamp_s;
+      repetition.speed_mps = std::abs(filter.mean[1]) - kSureOfRate * std::sqrt(filter.covariance(1, 1));
+    }
+    const double travelled_m = repetition.speed_mps * (reading.stamp_s - repetition.since_s);
+    repetition.overdue |= travelled_m > config_.gate_sigma * std::sqrt(reading.variance_m2);
   } else if (std::isnan(repetition.stereo_m)) {
     repetition.stereo_m = reading.value;
     repetition.stereo_variance_m2 = reading.variance_m2;

@@ -56,17 +56,6 @@ Outcome feed(RangeFusion& fusion, const Event& event) {
   return fusion.add(event.sensor, event.stamp_s, event.range_m, event.variance_m2);
 }
 
-TEST(RangeFusion, TwoSensorsThatDifferOnANewSurfaceAreNoSpeed) {
-  RangeFusion fusion((FusionConfig()));
-  double now_s = 0.0;
-  for (; now_s < 1.0; now_s += 0.01) fusion.add(Sensor::Lidar, now_s, 10.0 - now_s, kLidarVariance_m2);
-  fusion.add(Sensor::Lidar, now_s, 4.12, kLidarVariance_m2);
-  ASSERT_EQ(fusion.add(Sensor::Stereo, now_s, 4.35, kStereoVariance_m2), Outcome::Reinitialised);
-  fusion.add(Sensor::Lidar, now_s + 0.01, 4.11, kLidarVariance_m2);
-  fusion.add(Sensor::Lidar, now_s + 0.02, 4.11, kLidarVariance_m2);
-  EXPECT_NEAR(fusion.at(now_s + 0.02).rate_mps, -1.0, 0.8);
-}
-
 TEST(RangeFusion, WithoutDriftItIsTheWeightedMean) {
   FusionConfig config;
   config.acceleration_sigma_mps2 = 0.0;
@@ -115,38 +104,6 @@ TEST(RangeFusion, TrueRangeLiesWithinTwoSigmaAboutNinetyFivePercentOfTheTime) {
   // A constant speed is calmer than the white acceleration that the filter allows for: never fewer than 95 % (- 2 %
   // for 40 runs of correlated errors).
   EXPECT_GT(inside / static_cast<double>(all), 0.93);
-}
-
-TEST(RangeFusion, OneSensorJumpingAloneIsGated) {
-  RangeFusion fusion((FusionConfig()));
-  for (const Event& event : approach(1, 5.0, 0.0, 0.5)) feed(fusion, event);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.51, 14.0, kLidarVariance_m2), Outcome::Gated);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.52, 1.0, kLidarVariance_m2), Outcome::Gated);
-  EXPECT_NEAR(fusion.at(0.52).range_m, 5.0, 4 * std::sqrt(kLidarVariance_m2));
-}
-
-TEST(RangeFusion, ReinitialisesWhenBothSensorsJumpTogether) {
-  RangeFusion fusion((FusionConfig()));
-  for (const Event& event : approach(1, 6.0, 0.0, 0.5)) feed(fusion, event);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.51, 2.0, kLidarVariance_m2), Outcome::Gated);
-  EXPECT_EQ(fusion.add(Sensor::Stereo, 0.52, 2.05, kStereoVariance_m2), Outcome::Reinitialised);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.53, 2.0, kLidarVariance_m2), Outcome::Accepted);
-  EXPECT_NEAR(fusion.at(0.53).range_m, 2.0, 4 * std::sqrt(kLidarVariance_m2));
-}
-
-TEST(RangeFusion, InLastingDisagreementTheNearerSensorRules) {
-  for (const bool lidar_is_wrong : {true, false}) {
-    RangeFusion fusion((FusionConfig()));
-    for (int i = 0; i < 100; ++i) {
-      const double stamp = 0.01 * i;
-      fusion.add(Sensor::Lidar, stamp, lidar_is_wrong ? 12.0 : 3.0, kLidarVariance_m2);
-      if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, lidar_is_wrong ? 3.0 : 12.0, kStereoVariance_m2);
-    }
-    const RangeEstimate estimate = fusion.at(1.0);
-    EXPECT_TRUE(estimate.disagreement);
-    EXPECT_NEAR(estimate.range_m, 3.0, 0.2);
-    EXPECT_NEAR(estimate.disagreeing_m, 12.0, 1e-9);
-  }
 }
 
 TEST(RangeFusion, ForgetsAfterTheGap) {
@@ -207,39 +164,6 @@ TEST(RangeFusion, AccelerationsAloneAreNoRange) {
   EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
 }
 
-TEST(RangeFusion, ALidarThatRepeatsItselfWhileStereoMovesIsFrozen) {
-  RangeFusion fusion((FusionConfig()));
-  for (int i = 0; i < 150; ++i) {  // flying away from a wall at 2 m/s; the LiDAR hangs after half a second
-    const double stamp = 0.01 * i, true_m = 3.0 + 2.0 * stamp;
-    const double noise_m = 0.001 * (i % 3);
-    fusion.add(Sensor::Lidar, stamp, i < 50 ? true_m + noise_m : 4.0, kLidarVariance_m2);
-    if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, true_m, kStereoVariance_m2);
-  }
-  EXPECT_NEAR(fusion.at(1.5).range_m, 6.0, 0.2);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 1.5, 4.0, kLidarVariance_m2), Outcome::Gated);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, 1.51, 6.02, kLidarVariance_m2), Outcome::Accepted);
-}
-
-TEST(RangeFusion, ALidarThatRepeatsItselfWhileNothingMovesIsNot) {
-  RangeFusion fusion((FusionConfig()));
-  for (int i = 0; i < 150; ++i) {
-    EXPECT_NE(fusion.add(Sensor::Lidar, 0.01 * i, 4.0, kLidarVariance_m2), Outcome::Gated);
-    if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i, 4.0 + 0.05 * (i % 2), kStereoVariance_m2);
-  }
-}
-
-TEST(RangeFusion, ALidarThatRepeatsItselfOnGlassStillRules) {
-  RangeFusion fusion((FusionConfig()));
-  for (int i = 0; i < 300; ++i) {  // at rest before a pane at 2 m; what moves behind it is all that stereo sees
-    const double stamp = 0.01 * i;
-    fusion.add(Sensor::Lidar, stamp, 2.0, kLidarVariance_m2);
-    if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, 6.0 + std::sin(3.0 * stamp), kStereoVariance_m2);
-    if (i > 100) {
-      ASSERT_NEAR(fusion.at(stamp).range_m, 2.0, 0.1) << i;
-    }
-  }
-}
-
 TEST(RangeFusion, AStampFromTheFutureIsNotTheEnd) {
   RangeFusion fusion((FusionConfig()));
   fusion.add(Sensor::Lidar, 3600.0, 5.0, kLidarVariance_m2);
@@ -265,17 +189,6 @@ TEST(RangeFusion, MoreReadingsThanTheBufferHoldsAreFusedAllTheSame) {
   EXPECT_NEAR(fusion.at(4.0).range_m, 5.0, 0.01);
 }
 
-TEST(RangeFusion, ASlowCameraTooRulesWhenItIsNearer) {
-  RangeFusion fusion((FusionConfig()));
-  for (int i = 0; i < 200; ++i) {  // a LiDAR 9 m off while stereo, at 5 Hz, saw nothing for a while
-    const double stamp = 0.01 * i;
-    fusion.add(Sensor::Lidar, stamp, 12.0 - stamp, kLidarVariance_m2);
-    if (i >= 100 && i % 20 == 0) fusion.add(Sensor::Stereo, stamp, 3.0 - stamp, kStereoVariance_m2);
-  }
-  EXPECT_NEAR(fusion.at(2.0).range_m, 1.2, 0.3);
-  EXPECT_TRUE(fusion.at(2.0).disagreement);
-}
-
 TEST(RangeFusion, NothingIsAllocatedInFlight) {
   RangeFusion fusion((FusionConfig()));
   const int before = allocations;
@@ -295,16 +208,6 @@ TEST(RangeFusion, RefusesWhatIsNoReading) {
   EXPECT_EQ(fusion.add(Sensor::Lidar, kNaN, 5.0, kLidarVariance_m2), Outcome::Invalid);
   EXPECT_EQ(fusion.add(Sensor::Lidar, 1.0, 5.0, 0.0), Outcome::Invalid);
   EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
-}
-
-TEST(RangeFusion, ALoneReadingIsNoRangeUntilASecondConfirmsIt) {
-  RangeFusion fusion((FusionConfig()));
-  fusion.add(Sensor::Lidar, 1.0, 1.5, kLidarVariance_m2);  // a spike into open sky
-  EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
-  fusion.add(Sensor::Lidar, 1.01, 7.0, kLidarVariance_m2);
-  EXPECT_TRUE(std::isnan(fusion.at(1.01).range_m));
-  fusion.add(Sensor::Stereo, 1.02, 7.05, kStereoVariance_m2);
-  EXPECT_NEAR(fusion.at(1.02).range_m, 7.0, 0.1);
 }
 
 TEST(RangeFusion, ReadingsOlderThanTheBufferAreTooLate) {

@@ -69,11 +69,13 @@ class RangeFusion {
     bool outlier = false;  // the last gated reading told of something else, and was passed over
     double gatedFor() const { return gated_s - gated_since_s; }
   };
-  struct Repetition {  // a LiDAR that repeats one value to the last bit, and where stereo was when that began
+  struct Repetition {  // a LiDAR that repeats one value to the last bit, and what was known when that began
     double lidar_m = kNaN, since_s = kNaN;
+    double speed_mps = 0.0;  // at least, of the range
     double stereo_m = kNaN, stereo_variance_m2 = kNaN;
-    int moved = 0;  // stereo readings in a row that are elsewhere: one may be a peak
-    bool isFrozen() const { return moved >= 2; }
+    int moved = 0;         // stereo readings in a row that are elsewhere: one may be a peak
+    bool overdue = false;  // at that speed the LiDAR ought to have moved
+    bool isFrozen() const { return overdue || moved >= 2; }
   };
   struct Filter {  // everything that one reading changes: copying it is remembering it
     double stamp_s = kNaN;
@@ -98,7 +100,7 @@ class RangeFusion {
   Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
   Outcome correct(Filter& filter, const Reading& reading) const;
-  void watchRepetition(Repetition& repetition, const Reading& reading) const;
+  void watchRepetition(Filter& filter, const Reading& reading) const;
   bool isBefore(const Reading& lidar, const Filter& filter) const;
   void remember(SensorTrack& track, const Reading& reading) const;
   bool bothJumped(const Filter& filter, const Reading& reading) const;
