@@ -11,7 +11,7 @@ namespace {
 // Pairs may ask for more than is ever applied, since far away an offset is a larger share of the disparity: for twice
 // as much where they bring the world nearer, which is the safe side, else for what 1 px is at 8 m with a usual rig.
 constexpr double kLearntInwards = 2.0, kLearntOutwards = 1.3;
-constexpr double kNotSignificant = 2.0, kSignificant = 3.0;  // sigmas: what is learnt is applied not at all, in full
+constexpr double kNotSignificant = 1.0, kSignificant = 2.0;  // sigmas: what is learnt is applied not at all, in full
 constexpr double kMatchBias_px = 0.05;  // of all matches of one surface: more of them do not make it smaller
 
 }  // namespace

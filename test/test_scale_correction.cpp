@@ -48,7 +48,7 @@ TEST(ScaleCorrection, LearnsScaleAndOffsetFromAVaryingRange) {
 }
 
 TEST(ScaleCorrection, WhatChanceExplainsIsNotApplied) {
-  for (const double bias_px : {-0.05, 0.0, 0.05}) {  // of all matches of the surface, however long it is looked at
+  for (const double bias_px : {-0.03, 0.0, 0.03}) {  // of all matches of the surface, however long it is looked at
     ScaleCorrection scale((ScaleConfig()));
     teach(scale, 1.0, bias_px, 6.0, 2.0, 900);
     for (double disparity_px = 5.0; disparity_px < 30.0; disparity_px += 5.0) {
