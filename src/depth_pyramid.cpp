@@ -1,8 +1,10 @@
 #include "flight_corridor/depth_pyramid.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
+
+#include "flight_corridor/wide_registers.hpp"
 
 namespace flight_corridor {
 
@@ -10,21 +12,28 @@ void DepthPyramid::build(const cv::Mat& depth_m, const StereoGeometry& geometry,
                          double min_ray_fraction) {
   columns_ = (depth_m.cols + kTile_px - 1) / kTile_px;
   rows_ = (depth_m.rows + kTile_px - 1) / kTile_px;
-  level_of_.assign(std::min(columns_, rows_) + 1, 0);
-  for (std::size_t side = 2; side < level_of_.size(); ++side) level_of_[side] = level_of_[side / 2] + 1;
-  levels_ = level_of_.back() + 1;
   const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
-  nearest_m_.resize(tiles * levels_);
-  farthest_m_.resize(tiles * levels_);
-  usable_.resize(tiles);
-
+  nearest_m_.resize(tiles * kLevels * kLevels);
+  rays_.resize(tiles);
+  unusable_sum_.assign(static_cast<std::size_t>(columns_ + 1) * (rows_ + 1), 0);
   buildTiles(depth_m, min_ray_fraction);
-  // The band keeps the order of depths: it is enough to shift each tile's nearest.
+  // The band keeps the order of depths: it is enough to shift each tile's nearest. Tiles without a ray stay at
+  // infinity.
   for (std::size_t i = 0; i < tiles; ++i) {
-    if (farthest_m_[i] > 0.0f) nearest_m_[i] = farthest_m_[i] = geometry.shiftedDepth(nearest_m_[i], free_band_px);
+    if (rays_[i] > 0) nearest_m_[i] = geometry.shiftedDepth(nearest_m_[i], free_band_px);
   }
-  for (int level = 1; level < levels_; ++level) joinSquares(level);
-  cv::integral(cv::Mat(rows_, columns_, CV_8UC1, usable_.data()), usable_sum_, CV_32S);
+  joinBlocks(nearest_m_, [](float a, float b) { return std::min(a, b); });
+  for (int window = 0; window < kWindows; ++window) buildFarthest(window);
+}
+
+/// Squares without a ray bound nothing: another one within the rectangle that is asked about does.
+void DepthPyramid::buildFarthest(int window) {
+  const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
+  std::vector<float>& farthest_m = farthest_m_[window];
+  farthest_m.resize(tiles * kLevels * kLevels);
+  const float* least_m = &nearest_m_[tiles * window * (kLevels + 1)];
+  for (std::size_t i = 0; i < tiles; ++i) farthest_m[i] = least_m[i] < INFINITY ? least_m[i] : 0.0f;
+  joinBlocks(farthest_m, [](float a, float b) { return std::max(a, b); });
 }
 
 void DepthPyramid::buildTiles(const cv::Mat& depth_m, double min_ray_fraction) {
@@ -46,42 +55,58 @@ void DepthPyramid::addRow(const float* depth_m) {
 }
 
 void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction) {
+  int in_row = 0;
   for (int column = 0; column < columns_; ++column) {
     const int first = column * kTile_px, last = std::min(first + kTile_px, width_px);
     const std::size_t tile = static_cast<std::size_t>(tile_row) * columns_ + column;
-    const float nearest_m = *std::min_element(&column_near_m_[first], &column_near_m_[0] + last);
+    nearest_m_[tile] = *std::min_element(&column_near_m_[first], &column_near_m_[0] + last);
     int rays = 0;
     for (int u = first; u < last; ++u) rays += column_rays_[u];
-    nearest_m_[tile] = nearest_m;
-    farthest_m_[tile] = rays > 0 ? nearest_m : 0.0f;
-    usable_[tile] = rays >= min_ray_fraction * (last - first) * height_px;
+    rays_[tile] = rays;
+    const bool is_usable = rays >= min_ray_fraction * (last - first) * height_px;
+    const std::size_t corner = static_cast<std::size_t>(tile_row + 1) * (columns_ + 1) + column + 1;
+    in_row += !is_usable;
+    unusable_sum_[corner] = unusable_sum_[corner - columns_ - 1] + in_row;
   }
 }
 
-/// Squares of one level from four of the level below.
-void DepthPyramid::joinSquares(int level) {
-  const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
-  const int step = 1 << (level - 1), width = columns_ - 2 * step + 1;
-  for (int row = 0; row + 2 * step <= rows_; ++row) {
-    const std::size_t joined = level * tiles + static_cast<std::size_t>(row) * columns_;
-    const std::size_t above = joined - tiles, below = above + static_cast<std::size_t>(step) * columns_;
-    const float *near_above_m = &nearest_m_[above], *near_below_m = &nearest_m_[below];
-    const float *far_above_m = &farthest_m_[above], *far_below_m = &farthest_m_[below];
-    float *near_m = &nearest_m_[joined], *far_m = &farthest_m_[joined];
-    for (int i = 0; i < width; ++i) {
-      near_m[i] = std::min(std::min(near_above_m[i], near_above_m[i + step]),
-                           std::min(near_below_m[i], near_below_m[i + step]));
-      far_m[i] =
-          std::max(std::max(far_above_m[i], far_above_m[i + step]), std::max(far_below_m[i], far_below_m[i + step]));
-    }
+/// Each block from its two halves. Where blocks leave the image, they hold what nobody asks for.
+template <class Better>
+void DepthPyramid::joinBlocks(std::vector<float>& values, const Better& better) {
+  const std::ptrdiff_t tiles = static_cast<std::ptrdiff_t>(columns_) * rows_;
+  for (int level = 1; level < kLevels * kLevels; ++level) {
+    const int x = level % kLevels, y = level / kLevels;
+    const float* halves = &values[(x > 0 ? level - 1 : level - kLevels) * tiles];
+    const std::ptrdiff_t step = x > 0 ? 1 << (x - 1) : std::ptrdiff_t{columns_} << (y - 1);
+    float* blocks = &values[level * tiles];
+    for (std::ptrdiff_t i = 0; i + step < tiles; ++i) blocks[i] = better(halves[i], halves[i + step]);
   }
 }
 
-double DepthPyramid::usableFraction(const Tiles& tiles) const {
-  const auto* above = usable_sum_.ptr<int>(tiles.top);
-  const auto* below = usable_sum_.ptr<int>(tiles.bottom + 1);
-  const int usable = below[tiles.right + 1] - above[tiles.right + 1] - below[tiles.left] + above[tiles.left];
-  return usable / static_cast<double>((tiles.right - tiles.left + 1) * (tiles.bottom - tiles.top + 1));
+FLIGHT_CORRIDOR_WIDE void DepthPyramid::nearest(const EightTiles& tiles, float (&nearest_m)[8]) const {
+  static_assert(kLevels == 3, "levels of 1, 2 and 4 tiles are told apart here");
+  const int columns = columns_, rows = rows_;
+  const float* values_m = nearest_m_.data();
+  int first[8], right[8], down[8], is_large[8];
+  for (int i = 0; i < 8; ++i) {
+    const int width = tiles.right[i] - tiles.left[i] + 1, height = tiles.bottom[i] - tiles.top[i] + 1;
+    const int level_x = (width >= 2) + (width >= 4), level_y = (height >= 2) + (height >= 4);
+    right[i] = width - (1 << level_x);
+    down[i] = (height - (1 << level_y)) * columns;
+    first[i] = ((level_y * kLevels + level_x) * rows + tiles.top[i]) * columns + tiles.left[i];
+    is_large[i] = (width > 8) | (height > 8);
+  }
+  int some_large = 0;
+  for (int i = 0; i < 8; ++i) some_large |= is_large[i];
+  if (some_large != 0) {
+    for (unsigned i = 0; i < 8; ++i) nearest_m[i] = nearest(tiles[i]);
+    return;
+  }
+  float above_m[8], below_m[8];
+  for (int i = 0; i < 8; ++i) above_m[i] = std::min(values_m[first[i]], values_m[first[i] + right[i]]);
+  for (int i = 0; i < 8; ++i) first[i] += down[i];
+  for (int i = 0; i < 8; ++i) below_m[i] = std::min(values_m[first[i]], values_m[first[i] + right[i]]);
+  for (int i = 0; i < 8; ++i) nearest_m[i] = std::min(above_m[i], below_m[i]);
 }
 
 }  // namespace flight_corridor

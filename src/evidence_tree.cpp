@@ -66,7 +66,7 @@ void EvidenceTree::settle() {
 /// Depth of the smallest cube that holds the last cube and another one.
 unsigned EvidenceTree::sharedDepth(const octomap::OcTreeKey& key, unsigned depth) const {
   unsigned differing = (key[0] ^ at_[0]) | (key[1] ^ at_[1]) | (key[2] ^ at_[2]);
-  unsigned shared = tree_depth;
+  unsigned shared = kDepth;
   for (; differing != 0; differing >>= 1) --shared;
   return std::min({shared, depth, at_depth_});
 }
@@ -97,7 +97,7 @@ void EvidenceTree::enter(const octomap::OcTreeKey& key, unsigned depth) {
   leaveUntil(sharedDepth(key, depth));
   at_ = key;
   for (; at_depth_ < depth; ++at_depth_) {
-    const unsigned child = octomap::computeChildIdx(key, static_cast<int>(tree_depth - 1 - at_depth_));
+    const unsigned child = octomap::computeChildIdx(key, static_cast<int>(kDepth - 1 - at_depth_));
     way_[at_depth_ + 1] = openChild(way_[at_depth_], child);
   }
 }
@@ -137,7 +137,7 @@ void EvidenceTree::forget(const octomap::OcTreeKey& low, const octomap::OcTreeKe
 /// @return whether nothing is left of the node's cube.
 bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth,
                             const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
-  const unsigned last_cell = (1u << (tree_depth - depth)) - 1;
+  const unsigned last_cell = (1u << (kDepth - depth)) - 1;
   bool inside = true;
   for (unsigned axis = 0; axis < 3; ++axis) {
     if (key[axis] > high[axis] || key[axis] + last_cell < low[axis]) return false;

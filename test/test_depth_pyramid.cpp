@@ -17,15 +17,14 @@ const StereoGeometry kGeometry(test_support::smallCalibration());
 
 struct Expected {
   float nearest_m = INFINITY, farthest_m = 0.0f;
-  double usable = 0.0;
+  int unusable = 0;
 };
 
 /// Pixel by pixel.
 Expected loopOver(const cv::Mat& depth_m, const DepthPyramid::Tiles& tiles) {
   Expected expected;
-  int count = 0;
   for (int row = tiles.top; row <= tiles.bottom; ++row) {
-    for (int column = tiles.left; column <= tiles.right; ++column, ++count) {
+    for (int column = tiles.left; column <= tiles.right; ++column) {
       const cv::Rect area =
           cv::Rect(column * kTile_px, row * kTile_px, kTile_px, kTile_px) & cv::Rect({0, 0}, depth_m.size());
       float nearest_m = INFINITY;
@@ -40,10 +39,9 @@ Expected loopOver(const cv::Mat& depth_m, const DepthPyramid::Tiles& tiles) {
       }
       expected.nearest_m = std::min(expected.nearest_m, nearest_m);
       if (rays > 0) expected.farthest_m = std::max(expected.farthest_m, nearest_m);
-      expected.usable += rays >= kRayFraction * area.area();
+      expected.unusable += rays < kRayFraction * area.area();
     }
   }
-  expected.usable /= count;
   return expected;
 }
 
@@ -63,15 +61,61 @@ TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangle) {
     DepthPyramid pyramid;
     pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
     const int columns = (size.width + kTile_px - 1) / kTile_px, rows = (size.height + kTile_px - 1) / kTile_px;
-    for (int trial = 0; trial < 300; ++trial) {
+    const auto random_tiles = [&] {
       const int left = random() % columns, top = random() % rows;
       const int right = left + random() % (columns - left), bottom = top + random() % (rows - top);
-      const DepthPyramid::Tiles tiles{left, top, right, bottom};
+      return DepthPyramid::Tiles{left, top, right, bottom};
+    };
+    for (int trial = 0; trial < 300; ++trial) {
+      const DepthPyramid::Tiles tiles = random_tiles();
       const Expected expected = loopOver(depth_m, tiles);
       ASSERT_EQ(pyramid.nearest(tiles), expected.nearest_m);
-      ASSERT_EQ(pyramid.farthest(tiles), expected.farthest_m);
-      ASSERT_DOUBLE_EQ(pyramid.usableFraction(tiles), expected.usable);
+      ASSERT_EQ(pyramid.farthest(tiles, 1), expected.farthest_m);
+      ASSERT_EQ(pyramid.unusable(tiles), expected.unusable);
     }
+  }
+}
+
+TEST(DepthPyramid, NoRectangleOfAsManyTilesIsFreeBeyondTheFarthest) {
+  std::mt19937 random(12);
+  const cv::Mat depth_m = randomDepth({64, 48}, random);
+  DepthPyramid pyramid;
+  pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
+  int below_the_most_of_single_tiles = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const int left = random() % 15, top = random() % 11;
+    const DepthPyramid::Tiles tiles{left, top, left + 1 + static_cast<int>(random() % (15 - left)),
+                                    top + 1 + static_cast<int>(random() % (11 - top))};
+    const float farthest_m = pyramid.farthest(tiles, 2);
+    for (int row = tiles.top; row < tiles.bottom; ++row) {
+      for (int column = tiles.left; column < tiles.right; ++column) {
+        const Expected within = loopOver(depth_m, {column, row, column + 1, row + 1});
+        const bool holds_a_ray = within.farthest_m > 0.0f;
+        ASSERT_TRUE(!holds_a_ray || within.nearest_m <= farthest_m) << within.nearest_m << " " << farthest_m;
+      }
+    }
+    below_the_most_of_single_tiles += farthest_m < pyramid.farthest(tiles, 1);
+  }
+  EXPECT_GT(below_the_most_of_single_tiles, 100);
+}
+
+TEST(DepthPyramid, EightRectanglesAtOnceAreAsOneByOne) {
+  std::mt19937 random(13);
+  const cv::Mat depth_m = randomDepth({64, 48}, random);
+  DepthPyramid pyramid;
+  pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
+  for (int trial = 0; trial < 100; ++trial) {
+    DepthPyramid::EightTiles tiles;
+    const int largest = trial % 2 ? 16 : 8;
+    for (int i = 0; i < 8; ++i) {
+      tiles.left[i] = random() % 16;
+      tiles.top[i] = random() % 12;
+      tiles.right[i] = tiles.left[i] + random() % std::min(largest, 16 - tiles.left[i]);
+      tiles.bottom[i] = tiles.top[i] + random() % std::min(largest, 12 - tiles.top[i]);
+    }
+    float nearest_m[8];
+    pyramid.nearest(tiles, nearest_m);
+    for (unsigned i = 0; i < 8; ++i) ASSERT_EQ(nearest_m[i], pyramid.nearest(tiles[i]));
   }
 }
 

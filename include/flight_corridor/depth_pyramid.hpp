@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
@@ -20,6 +21,13 @@ class DepthPyramid {
   /// Rectangle of tiles, its last column and row included. Not empty, inside the image.
   struct Tiles {
     int left, top, right, bottom;
+    int area() const { return (right - left + 1) * (bottom - top + 1); }
+  };
+
+  /// Eight rectangles, side by side so that the compiler reckons several at once.
+  struct EightTiles {
+    int left[8], top[8], right[8], bottom[8];
+    Tiles operator[](unsigned i) const { return {left[i], top[i], right[i], bottom[i]}; }
   };
 
   /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
@@ -29,45 +37,65 @@ class DepthPyramid {
 
   /// The least free ray of a rectangle; +inf when there is none.
   float nearest(const Tiles& tiles) const {
-    return overSquares(nearest_m_, tiles, [](float a, float b) { return std::min(a, b); });
+    return overBlocks(nearest_m_, tiles, [](float a, float b) { return std::min(a, b); });
   }
 
-  /// The least free ray of the most free tile; 0 when there is none.
-  float farthest(const Tiles& tiles) const {
-    return overSquares(farthest_m_, tiles, [](float a, float b) { return std::max(a, b); });
+  /// nearest() of each.
+  void nearest(const EightTiles& tiles, float (&nearest_m)[8]) const;
+
+  /// Bound of nearest() over the rectangles within one that hold a ray and are at least `least_tiles` wide and high:
+  /// the most of the least of its squares of so many tiles, or of fewer. 0 when there is no ray.
+  float farthest(const Tiles& tiles, int least_tiles) const {
+    const int level = std::min(levelOf(least_tiles), kWindows - 1), shrink = (1 << level) - 1;
+    const Tiles corners{tiles.left, tiles.top, std::max(tiles.left, tiles.right - shrink),
+                        std::max(tiles.top, tiles.bottom - shrink)};
+    return overBlocks(farthest_m_[level], corners, [](float a, float b) { return std::max(a, b); });
   }
 
-  /// Share of the rectangle's tiles that hold rays enough [0..1].
-  double usableFraction(const Tiles& tiles) const;
+  /// How many of a rectangle's tiles hold too few rays.
+  int unusable(const Tiles& tiles) const {
+    const int* above = &unusable_sum_[static_cast<std::size_t>(tiles.top) * (columns_ + 1)];
+    const int* below = &unusable_sum_[static_cast<std::size_t>(tiles.bottom + 1) * (columns_ + 1)];
+    return below[tiles.right + 1] - above[tiles.right + 1] - below[tiles.left] + above[tiles.left];
+  }
 
  private:
   void buildTiles(const cv::Mat& depth_m, double min_ray_fraction);
   void addRow(const float* depth_m);
+  void buildFarthest(int window);
   void endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction);
-  void joinSquares(int level);
-
-  /// The least or most of the squares that cover a rectangle: one in each of its corners, and between them when it is
-  /// long.
   template <class Better>
-  float overSquares(const std::vector<float>& values, const Tiles& tiles, const Better& better) const {
+  void joinBlocks(std::vector<float>& values, const Better& better);
+
+  static constexpr int kLevels = 3;   // of blocks per axis: 1, 2, 4 tiles. Larger rectangles are asked for seldom
+  static constexpr int kWindows = 2;  // of farthest(): squares of 1, 2 tiles
+
+  /// Of the largest block that fits along an axis.
+  static int levelOf(int tiles) { return std::min(31 - __builtin_clz(static_cast<unsigned>(tiles)), kLevels - 1); }
+
+  /// The least or most of the blocks that cover a rectangle: one in each of its corners, and more when it is large.
+  template <class Better>
+  float overBlocks(const std::vector<float>& values, const Tiles& tiles, const Better& better) const {
     const int width = tiles.right - tiles.left + 1, height = tiles.bottom - tiles.top + 1;
-    const int level = level_of_[std::min(width, height)], side = 1 << level;
-    const float* first = values.data() + static_cast<std::ptrdiff_t>(level * rows_ + tiles.top) * columns_ + tiles.left;
-    const int right = width - side, down = (height - side) * columns_;
+    const int level_x = levelOf(width), level_y = levelOf(height), side_x = 1 << level_x, side_y = 1 << level_y;
+    const int table = level_y * kLevels + level_x;
+    const float* first = values.data() + static_cast<std::ptrdiff_t>(table * rows_ + tiles.top) * columns_ + tiles.left;
+    const int right = width - side_x, down = (height - side_y) * columns_;
     float best = better(better(first[0], first[right]), better(first[down], first[down + right]));
-    for (int i = side; i < right; i += side) best = better(best, better(first[i], first[down + i]));
-    for (int i = side * columns_; i < down; i += side * columns_)
-      best = better(best, better(first[i], first[right + i]));
+    if (right <= side_x && height <= 2 * side_y) return best;
+    for (int y = 0; y <= down; y = y < down ? std::min(y + side_y * columns_, down) : down + 1) {
+      for (int x = 0; x <= right; x = x < right ? std::min(x + side_x, right) : right + 1)
+        best = better(best, first[y + x]);
+    }
     return best;
   }
 
-  int columns_ = 0, rows_ = 0, levels_ = 0;
-  std::vector<int> level_of_;         // of the largest square that fits into a rectangle, by its shorter side
-  std::vector<float> nearest_m_;      // [level][row][column]: over 2^level x 2^level tiles from there on
-  std::vector<float> farthest_m_;     // likewise
-  std::vector<std::uint8_t> usable_;  // per tile: rays enough
-  cv::Mat usable_sum_;                // CV_32SC1 integral image of usable_
-  std::vector<float> column_near_m_;  // scratch, per pixel column of a row of tiles
+  int columns_ = 0, rows_ = 0;
+  std::vector<float> nearest_m_;  // [level_y][level_x][row][column]: over 2^level_x x 2^level_y tiles from there on
+  std::array<std::vector<float>, kWindows> farthest_m_;  // likewise, of the least of each square of a size
+  std::vector<int> rays_;                                // per tile
+  std::vector<int> unusable_sum_;                        // [row][column]: tiles above and left that hold too few rays
+  std::vector<float> column_near_m_;                     // scratch, per pixel column of a row of tiles
   std::vector<int> column_rays_;
 };
 

@@ -14,6 +14,8 @@ namespace flight_corridor {
 /// here may change it; those of OctoMap that do not are free.
 class EvidenceTree : public octomap::OcTree {
  public:
+  static constexpr unsigned kDepth = 16;  ///< Of cells; the root's is 0.
+
   using octomap::OcTree::OcTree;
   EvidenceTree(const EvidenceTree&) = delete;
   EvidenceTree& operator=(const EvidenceTree&) = delete;
@@ -35,8 +37,8 @@ class EvidenceTree : public octomap::OcTree {
 
   /// Key of the lowest cell of a cube's child.
   /// @param key, depth  of the cube: its lowest cell, its depth.
-  octomap::OcTreeKey childKey(octomap::OcTreeKey key, unsigned depth, unsigned child) const {
-    const unsigned half = 1u << (tree_depth - depth - 1);
+  static octomap::OcTreeKey childKey(octomap::OcTreeKey key, unsigned depth, unsigned child) {
+    const unsigned half = 1u << (kDepth - depth - 1);
     for (unsigned axis = 0; axis < 3; ++axis) {
       if (child >> axis & 1u) key[axis] = static_cast<octomap::key_type>(key[axis] + half);
     }
@@ -65,8 +67,8 @@ class EvidenceTree : public octomap::OcTree {
   octomap::OcTreeNode* createChild(octomap::OcTreeNode* node, unsigned i);
   unsigned sharedDepth(const octomap::OcTreeKey& key, unsigned depth) const;
 
-  std::array<octomap::OcTreeNode*, 17> way_{};  // nodes from the root to the last cube
-  octomap::OcTreeKey at_;                       // a cell of the last cube
+  std::array<octomap::OcTreeNode*, kDepth + 1> way_{};  // nodes from the root to the last cube
+  octomap::OcTreeKey at_;                               // a cell of the last cube
   unsigned at_depth_ = 0;
   bool is_open_ = false;
   octomap::OcTreeNode root_node_;

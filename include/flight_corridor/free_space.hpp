@@ -1,0 +1,61 @@
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "flight_corridor/depth_pyramid.hpp"
+#include "flight_corridor/evidence_tree.hpp"
+#include "flight_corridor/map_config.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+
+namespace flight_corridor {
+
+/// The cubes of an octree that a depth image shows free: the rays that meet them end beyond them. Found coarse to fine
+/// (after Reijgwart et al. 2023), by descending from the root only into cubes that may hold free cells.
+class FreeSpace {
+ public:
+  /// Free children of a cube of the octree.
+  struct Family {
+    octomap::OcTreeKey key;  // of the cube's lowest cell
+    unsigned depth;          // of the cube, 0 = root
+    unsigned children;       // bit i: child i
+  };
+
+  FreeSpace(const MapConfig& config, const StereoGeometry& geometry);
+
+  /// All free cells, by the largest cubes that hold nothing else.
+  /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
+  const std::vector<Family>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
+
+ private:
+  struct Cube;
+  struct Parts;
+
+  /// Cubes of one depth, as C sees them.
+  struct Orientation {
+    Eigen::Vector3f reach;         // half extents of the box square to C around a cube [m]
+    float x_m[8], y_m[8], z_m[8];  // from the centre of a cube to those of its eight parts
+  };
+
+  void orientCubes(const Eigen::Isometry3f& T_C_M);
+  unsigned descend(const Cube& cube);
+  void project(const Cube& cube, Parts& parts) const;
+  void compareWithRays(Parts& parts) const;
+  unsigned withRaysEnough(const Parts& parts, int least_tiles) const;
+  int leastTilesOfCells(const Cube& cube) const;
+  bool isBesideView(const Parts& parts, unsigned i, unsigned depth) const;
+  float cellDepth() const { return 2.0f * orientations_.back().reach.z(); }  // of the box around a cell
+
+  MapConfig config_;
+  StereoGeometry geometry_;
+  DepthPyramid pyramid_;
+  std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
+  std::array<Orientation, EvidenceTree::kDepth + 1> orientations_;  // per depth
+  std::vector<Family> free_;
+};
+
+}  // namespace flight_corridor

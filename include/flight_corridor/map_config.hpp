@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct MapConfig {
+  std::string frame_id;           ///< "" = camera frame, map built anew for each image; else the fixed frame, by tf.
+  double resolution_m = 0.10;     ///< Edge of a cell.
+  double max_range_m = 8.0;       ///< Depth up to which evidence is used.
+  double hit_fraction = 0.15;     ///< A cell is hit by this share of the points that a full face would show there.
+  int min_hit_points = 4;         ///< ... and by no fewer points than these.
+  double hit_band_px = 0.1;       ///< Surfaces are taken to be nearer by this much disparity: one sigma of a match.
+  double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
+  double min_ray_fraction = 0.5;  ///< Share of a cell's pixels that must see past it to clear it.
+  double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
+  double log_odds_miss = -1.1;    ///< Added for a miss; two make an occupied cell free.
+  double log_odds_min = -2.0;     ///< Clamping limits.
+  double log_odds_max = 2.0;
+  double forget_s = 10.0;  ///< In a fixed frame: space without evidence for so long is unknown again.
+};
+Violations check(const MapConfig& config);
+
+}  // namespace flight_corridor

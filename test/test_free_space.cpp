@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "flight_corridor/free_space.hpp"
+#include "support/calibrations.hpp"
+#include "support/wall_scene.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::smallCalibration());
+
+/// Cells of the free cubes, and the farthest of them along z of C.
+struct Found {
+  double cells = 0.0, farthest_m = 0.0;
+};
+
+Found findBefore(const cv::Mat& depth_m) {
+  const MapConfig config;
+  FreeSpace free_space(config, kGeometry);
+  Found found;
+  for (const FreeSpace::Family& family : free_space.find(depth_m, Eigen::Isometry3d::Identity())) {
+    EXPECT_NE(family.children, 0xFFu) << "a cube whose parts all are free is one";
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((family.children >> i & 1u) == 0) continue;
+      const int edge_cells = 1 << (EvidenceTree::kDepth - family.depth - 1);
+      const int last_z = EvidenceTree::childKey(family.key, family.depth, i)[2] + edge_cells - 32768;
+      found.cells += std::pow(edge_cells, 3);
+      found.farthest_m = std::max(found.farthest_m, last_z * config.resolution_m);
+    }
+  }
+  return found;
+}
+
+TEST(FreeSpace, ReachesUpToTheBandBeforeAWall) {
+  const Found found = findBefore(test_support::wallDepth(kGeometry.size(), 4.0));
+  const double end_m = kGeometry.shiftedDepth(4.0, MapConfig().free_band_px);
+  EXPECT_LE(found.farthest_m, end_m + 1e-6);
+  EXPECT_GT(found.farthest_m, end_m - MapConfig().resolution_m - 1e-6);
+}
+
+TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
+  const Found found = findBefore(test_support::wallDepth(kGeometry.size(), 4.0));
+  const StereoCalibration& camera = kGeometry.calibration();
+  const double view_m3 = camera.size_px.area() / (camera.fx_px * camera.fy_px) * std::pow(found.farthest_m, 3) / 3.0;
+  const double free_m3 = found.cells * std::pow(MapConfig().resolution_m, 3);
+  EXPECT_LT(free_m3, view_m3);
+  EXPECT_GT(free_m3, 0.75 * view_m3);  // cells on the border of the view are left out
+}
+
+TEST(FreeSpace, IsNoneWithoutRays) {
+  EXPECT_EQ(findBefore(test_support::wallDepth(kGeometry.size(), kNaN)).cells, 0.0);
+}
+
+}  // namespace
+}  // namespace flight_corridor

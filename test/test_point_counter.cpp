@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <map>
+
+#include "flight_corridor/point_counter.hpp"
+#include "support/calibrations.hpp"
+#include "support/wall_scene.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::smallCalibration());
+
+MapConfig withoutHitBand() {
+  MapConfig config;
+  config.hit_band_px = 0.0;
+  return config;
+}
+
+std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
+  PointCounter counter(withoutHitBand(), kGeometry);
+  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), T_M_C);
+  std::uint32_t points = 0;
+  for (const CellCounts::Cube& cube : counter.cubes()) {
+    for (const std::uint32_t count : cube.counts) points += count;
+  }
+  return points;
+}
+
+TEST(PointCounter, CountsEveryPointWithinTheRange) {
+  const auto pixels = static_cast<std::uint32_t>(kGeometry.size().area());
+  EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d::Identity()), pixels);
+  EXPECT_EQ(pointsAt(9.0, Eigen::Isometry3d::Identity()), 0u);
+  EXPECT_EQ(pointsAt(kNaN, Eigen::Isometry3d::Identity()), 0u);
+}
+
+TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
+  EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d(Eigen::Translation3d(4000, 0, 0))), 0u);
+}
+
+TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
+  PointCounter counter(withoutHitBand(), kGeometry);
+  const Eigen::Isometry3d T_M_C(Eigen::Translation3d(1.0, -2.0, 0.5));
+  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), T_M_C);
+  std::map<std::array<int, 3>, std::uint32_t> expected, found;
+  for (int v = 0; v < kGeometry.size().height; ++v) {
+    for (int u = 0; u < kGeometry.size().width; ++u) {
+      const Eigen::Array3d cell = (T_M_C * kGeometry.point(u, v, 4.05)).array() / withoutHitBand().resolution_m;
+      const Eigen::Array3i key = cell.floor().cast<int>() + 32768;
+      ++expected[{key[0], key[1], key[2]}];
+    }
+  }
+  for (const CellCounts::Cube& cube : counter.cubes()) {
+    const Eigen::Array3i lowest = counter.lowestCell(cube);
+    for (int i = 0; i < 8; ++i) {
+      if (cube.counts[i] > 0)
+        found[{lowest[0] + (i & 1), lowest[1] + (i >> 1 & 1), lowest[2] + (i >> 2)}] = cube.counts[i];
+    }
+  }
+  int moved = 0;  // points on a border between cells, by rounding
+  for (const auto& [cell, count] : expected) moved += std::abs(static_cast<int>(count) - static_cast<int>(found[cell]));
+  EXPECT_LE(moved, 0.001 * kGeometry.size().area());
+}
+
+}  // namespace
+}  // namespace flight_corridor
