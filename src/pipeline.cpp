@@ -295,17 +295,21 @@ Verdict Pipeline::query(const Box& box) const {
   return verdict;
 }
 
-/// How far along the box's axis the beam ends, when that is inside the box: d_K < D_min of the paper, carried to the
-/// volume. While the sensors disagree the nearer one rules.
+/// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the
+/// paper, carried to the volume. While the sensors disagree the nearer one rules.
 std::optional<double> Pipeline::beamEndInBox() const {
-  double range_m = report_.range.range_m;
-  if (report_.range.disagreement) range_m = std::fmin(range_m, report_.range.disagreeing_m);
-  if (!std::isfinite(range_m)) return std::nullopt;
+  double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
+  if (report_.range.disagreement) {
+    range_m = std::fmin(range_m, report_.range.disagreeing_m);
+    nearest_m = std::fmin(nearest_m, range_m);
+  }
+  if (!std::isfinite(nearest_m)) return std::nullopt;
   const Box box = boxInCamera();
-  const Eigen::Vector3d end_F = box.T_M_F.inverse() * beam_.point(range_m);
+  const auto along = [&](double beam_m) -> Eigen::Vector3d { return box.T_M_F.inverse() * beam_.point(beam_m); };
+  const Eigen::Vector3d end_F = along(nearest_m);
   const bool inside = 0.0 <= end_F.x() && end_F.x() < box.size_m.x() && 2.0 * std::abs(end_F.y()) <= box.size_m.y() &&
                       2.0 * std::abs(end_F.z()) <= box.size_m.z();
-  return inside ? std::optional<double>(end_F.x()) : std::nullopt;
+  return inside ? std::optional<double>(std::min(along(range_m).x(), box.size_m.x())) : std::nullopt;
 }
 
 const Cloud& Pipeline::cloud() {

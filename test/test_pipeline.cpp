@@ -54,6 +54,18 @@ TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
   EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
 }
 
+TEST(Pipeline, ARangeThatMayEndInTheCorridorBlocksIt) {
+  Config config;
+  config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = 0.5;
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  pipeline.addRange(reading(1.0, 4.2));
+  const Report& report = pipeline.process(wallFrame(kGeometry, 5, 1.0));  // 4.2 m
+  ASSERT_NEAR(report.range.range_m, 4.2, 0.1);
+  EXPECT_EQ(report.verdict.state, State::Blocked);
+  EXPECT_EQ(report.verdict.reasons & (kShortRange | kOccupiedCell), kShortRange);
+  EXPECT_EQ(report.verdict.clear_distance_m, config.corridor.length_m);
+}
+
 TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   Config config;
   config.map.frame_id = "odom";

@@ -72,7 +72,7 @@ const char* toString(State state);
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
   kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box.
+  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
   kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen.
   kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
   kNoPose = 1u << 4,          ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
