@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <opencv2/core.hpp>
-#include <string_view>
 
 namespace flight_corridor {
 
@@ -32,15 +30,6 @@ class Stopwatch {
 void append(Violations& all, const Violations& some) { all.insert(all.end(), some.begin(), some.end()); }
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
-
-std::size_t fingerprint(const cv::Mat& image) {
-  std::size_t hash = 0;
-  for (int v = 0; v < image.rows; ++v) {
-    const std::string_view row(image.ptr<char>(v), static_cast<std::size_t>(image.cols));
-    hash = 31 * hash + std::hash<std::string_view>()(row);
-  }
-  return hash;
-}
 
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
@@ -106,8 +95,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   ++counters_.frames;
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
-  is_one_image_ = cv::norm(frame.left, frame.right, cv::NORM_INF) == 0.0;
-  is_frozen_ = isFrozen(frame);
+  image_faults_ = images_.faults(frame);
   frame.left.copyTo(left_);
   cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
@@ -142,17 +130,6 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   const bool has_pose = T_W_C && T_W_C->matrix().allFinite();
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
-}
-
-/// Whether an image was seen before under another stamp, to the last bit: a camera's noise does not allow that.
-bool Pipeline::isFrozen(const StereoFrame& frame) {
-  const Seen now{frame.stamp_s, fingerprint(frame.left), fingerprint(frame.right)};
-  const bool frozen = std::any_of(seen_.begin(), seen_.end(), [&](const Seen& before) {
-    const bool known = std::isfinite(before.stamp_s) && before.stamp_s != now.stamp_s;
-    return known && (before.left == now.left || before.right == now.right);
-  });
-  seen_[counters_.frames % seen_.size()] = now;
-  return frozen;
 }
 
 const Report& Pipeline::refuse(std::uint32_t reasons) {
@@ -258,8 +235,7 @@ void Pipeline::decide() {
   because(beam_end_m.has_value(), kShortRange);
   const bool blocked = verdict.reasons != 0;
   if (blocked) blocked_s_ = verdict.stamp_s;
-  because(is_one_image_, kBadImage);  // one camera on both topics: every surface would be infinitely far
-  because(is_frozen_, kFrozenImage);
+  verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
@@ -325,7 +301,7 @@ void Pipeline::reset() {
   scale_.reset();
   map_.clear();
   lidar_ = LidarWatch();
-  seen_.fill(Seen());
+  images_ = ImageWatch();
   blocked_s_ = -kInfinity;
   report_ = Report();
 }

@@ -9,29 +9,14 @@
 #include "flight_corridor/pipeline.hpp"
 #include "sim/simulation.hpp"
 #include "support/calibrations.hpp"
+#include "support/pipeline_inputs.hpp"
 #include "support/wall_scene.hpp"
 
 namespace flight_corridor {
 namespace {
 
-using test_support::wallFrame;
-const StereoGeometry kGeometry(test_support::smallCalibration());  // f*B = 21 px m
-
-Rig rigWithLidar() {
-  Rig rig;
-  rig.T_C_L = opticalFromForward();
-  return rig;
-}
-
-RangeReading reading(double stamp_s, double range_m) { return {stamp_s, range_m, 0.2, 100.0, 0.03}; }
-
-/// A box that starts so far ahead of the camera.
-Box ahead(double from_m, double length_m) {
-  Box box;
-  box.T_M_F = opticalFromForward() * Eigen::Translation3d(from_m, 0.0, 0.0);
-  box.size_m = {length_m, 0.6, 0.4};
-  return box;
-}
+using namespace test_support;
+const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 TEST(Pipeline, AWallWithinTheCorridorBlocksIt) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
@@ -200,16 +185,6 @@ TEST(Pipeline, FrozenCamerasAreNeverFree) {
   EXPECT_TRUE(report.verdict.reasons & kFrozenImage);
 }
 
-TEST(Pipeline, CamerasThatRepeatTwoBuffersAreNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  const StereoFrame buffers[] = {wallFrame(kGeometry, 3, 1.0), wallFrame(kGeometry, 3, 1.1)};
-  for (int i = 0; i < 8; ++i) {
-    StereoFrame frame = buffers[i % 2];
-    frame.stamp_s = 1.0 + 0.1 * i;
-    EXPECT_EQ(pipeline.process(frame).verdict.state, i < 2 ? State::Free : State::Unknown) << "frame " << i;
-  }
-}
-
 TEST(Pipeline, FrozenCamerasStillBlock) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
@@ -240,61 +215,6 @@ TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
     EXPECT_EQ(pipeline.process(wallFrame(kGeometry, disparity, 1.0), T_W_C).verdict.state,
               camera.process(wallFrame(kGeometry, disparity, 1.0)).verdict.state)
         << disparity << " px";
-  }
-}
-
-TEST(Pipeline, AQueryIsAnsweredFromTheMapAsItIs) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
-  pipeline.process(wallFrame(kGeometry, 3, 1.0));  // 7 m
-  const Verdict free = pipeline.query(ahead(1.0, 2.5));
-  EXPECT_EQ(free.state, State::Free) << describeReasons(free.reasons) << " " << free.unknown_fraction;
-  EXPECT_EQ(free.clear_distance_m, kInfinity);
-  EXPECT_EQ(free.stamp_s, 1.0);
-  pipeline.process(wallFrame(kGeometry, 7, 1.1));  // 3 m
-  const Verdict blocked = pipeline.query(ahead(1.0, 2.5));
-  EXPECT_EQ(blocked.state, State::Blocked);
-  EXPECT_TRUE(blocked.reasons & kOccupiedCell);
-  EXPECT_NEAR(blocked.clear_distance_m, 2.0, 0.1 + 0.03 * 3.0);  // one voxel + 3 %
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).clear_distance_m, blocked.clear_distance_m);
-}
-
-TEST(Pipeline, AQueryExemptsNothingThatTheCameraCannotSee) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  ASSERT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.state, State::Free);
-  for (const Box& box : {ahead(0.0, 0.4), ahead(-3.0, 2.0), ahead(7.5, 2.0)}) {
-    const Verdict verdict = pipeline.query(box);
-    EXPECT_EQ(verdict.state, State::Unknown);
-    EXPECT_TRUE(verdict.reasons & kUnobserved);
-    EXPECT_GT(verdict.unknown_fraction, 0.1);
-  }
-}
-
-TEST(Pipeline, AQueryIsNeverFreeAfterAFrameThatTellsNothing) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  const StereoFrame good = wallFrame(kGeometry, 3, 1.0);
-  pipeline.process(good);
-  ASSERT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Free);
-  StereoFrame frozen = good, refused = good;
-  frozen.stamp_s = refused.stamp_s = 1.1;
-  refused.left = cv::Mat();
-  pipeline.process(frozen);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kFrozenImage);
-  pipeline.process(refused);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kBadImage);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Unknown);
-  pipeline.reset();
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
-}
-
-TEST(Pipeline, QueriesOfImpossibleBoxesSayWhatIsWrong) {
-  const Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  try {
-    pipeline.query(ahead(kNaN, -1.0));
-    FAIL() << "accepted";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("box/position: finite (nan)"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("box/length_m: above 0, up to 100 (-1)"), std::string::npos);
   }
 }
 

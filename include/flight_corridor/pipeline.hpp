@@ -1,13 +1,13 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <optional>
 
 #include "flight_corridor/beam_footprint.hpp"
 #include "flight_corridor/cloud_builder.hpp"
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/image_watch.hpp"
 #include "flight_corridor/lidar_watch.hpp"
 #include "flight_corridor/occupancy_map.hpp"
 #include "flight_corridor/range_fusion.hpp"
@@ -104,11 +104,6 @@ class Pipeline {
   const Cloud& cloud();
 
  private:
-  struct Seen {  // fingerprints of a pair's images
-    double stamp_s = kNaN;
-    std::size_t left = 0, right = 0;
-  };
-  bool isFrozen(const StereoFrame& frame);
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
   void fuseRange(double stamp_s);
@@ -136,15 +131,14 @@ class Pipeline {
 
   double blocked_s_ = -kInfinity;  // stamp of the last BLOCKED
   LidarWatch lidar_;
-  std::array<Seen, 8> seen_;  // the last pairs; drivers that hang repeat one buffer or a few
-  cv::Mat left_;              // own copy: the caller may reuse its own
+  ImageWatch images_;
+  std::uint32_t image_faults_ = 0;  // of the last pair
+  cv::Mat left_;                    // own copy: the caller may reuse its own
   Disparity disparity_;
   DepthImages depth_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Cloud cloud_;
   bool cloud_is_current_ = false;
-  bool is_one_image_ = false;  // left and right are equal to the last bit
-  bool is_frozen_ = false;     // an image equals an earlier one
   Report report_;
   Counters counters_;
 };
