@@ -61,7 +61,7 @@ TEST(OccupancyMap, PixelsWithoutDepthCastNoRay) {
 TEST(OccupancyMap, AThinPoleIsThereBesideFreeSpace) {
   cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
   depth(cv::Rect(159, 0, 3, 240)).setTo(3.05);  // 5 cm
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(withoutHitBand(), kGeometry);
   map.insert(depth, Eigen::Isometry3d::Identity());
   EXPECT_EQ(cellAt(map, {0.02, 0.05, 3.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {1.05, 0.05, 3.05}), Cell::Free);
@@ -170,7 +170,7 @@ TEST(OccupancyMap, AgreesWithRaysCastOneByOne) {
 }
 
 TEST(OccupancyMap, AVanishedObstacleIsFreedAndANewOneSeenAtOnce) {
-  MapConfig config;
+  MapConfig config = withoutHitBand();
   config.frame_id = "odom";
   OccupancyMap map(config, kGeometry);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
@@ -209,7 +209,7 @@ TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
 }
 
 MapConfig inFixedFrame() {
-  MapConfig config;
+  MapConfig config = withoutHitBand();
   config.frame_id = "odom";
   return config;
 }
@@ -217,7 +217,7 @@ MapConfig inFixedFrame() {
 TEST(OccupancyMap, TheWindowMovesWithTheCamera) {
   OccupancyMap map(inFixedFrame(), kGeometry);
   map.keepAround({0, 0, 0}, 0.0);
-  map.insert(wallDepth(kGeometry.size(), 4.0), Eigen::Isometry3d::Identity());
+  map.insert(wallDepth(kGeometry.size(), 3.95), Eigen::Isometry3d::Identity());
   const Eigen::Vector3d wall(0.05, 0.3, 3.95);
   map.keepAround({0, 0, 11.0}, 1.0);
   EXPECT_EQ(cellAt(map, wall), Cell::Occupied) << "7 m behind";
@@ -228,7 +228,7 @@ TEST(OccupancyMap, TheWindowMovesWithTheCamera) {
 
 TEST(OccupancyMap, WhatIsNotSeenForLongIsForgotten) {
   OccupancyMap map(inFixedFrame(), kGeometry);
-  cv::Mat depth_m = wallDepth(kGeometry.size(), 4.0);
+  cv::Mat depth_m = wallDepth(kGeometry.size(), 3.95);
   map.keepAround({0, 0, 0}, 0.0);
   map.insert(depth_m, Eigen::Isometry3d::Identity());
   depth_m.colRange(0, 160).setTo(kNaN);  // from now on the left half shows nothing

@@ -55,7 +55,7 @@ std::set<std::string> fieldsIn(const std::string& header) {
 TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
   std::set<std::string> declared = fieldsIn(kSource + "/src/ros/params.hpp");
   for (const char* module : {"disparity_estimator", "beam_footprint", "range_fusion", "scale_correction",
-                             "cloud_builder", "occupancy_map", "corridor"}) {
+                             "cloud_builder", "map_config", "corridor"}) {
     declared.merge(fieldsIn(kSource + "/include/flight_corridor/" + module + ".hpp"));
   }
   declared.erase("node/core");
