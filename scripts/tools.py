@@ -25,8 +25,8 @@ def run_tool(name, *arguments):
     """Runs a program quietly.  @return what it printed."""
     done = subprocess.run([str(find_tool(name)), *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        said = [line for line in done.stderr.splitlines() if line.startswith(f"{name}: ")]
-        raise ToolError(said[-1] if said else f"{name}: exit code {done.returncode}")
+        _, found, said = done.stderr.rpartition(f"{name}: ")
+        raise ToolError(f"{name}: {said.strip()}" if found else f"{name}: exit code {done.returncode}")
     return done.stdout
 
 

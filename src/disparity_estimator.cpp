@@ -182,18 +182,21 @@ void DisparityEstimator::alignFill(Disparity& out) {
   out.filtered_px += difference_;
 }
 
+double DisparityEstimator::nearestDepth() const {
+  return geometry_.depth(min_disparity_px_ + config_.num_disparities_px - 1 - geometry_.principalPointDifference());
+}
+
 /// 0 <= u = fx x/z + cx is fx x + cx z >= 0, and so on; in the right image x is less by the baseline.
 ConvexRegion DisparityEstimator::observable() const {
   const StereoCalibration& rig = geometry_.calibration();
   const double last_u_px = rig.size_px.width - 1, last_v_px = rig.size_px.height - 1;
-  const double largest_px = min_disparity_px_ + config_.num_disparities_px - 1 - geometry_.principalPointDifference();
   ConvexRegion region_C(4, 6);
   region_C.col(0) << rig.fx_px, 0.0, rig.cx_px, 0.0;
   region_C.col(1) << -rig.fx_px, 0.0, last_u_px - rig.cx_px, 0.0;
   region_C.col(2) << 0.0, rig.fy_px, rig.cy_px, 0.0;
   region_C.col(3) << 0.0, -rig.fy_px, last_v_px - rig.cy_px, 0.0;
   region_C.col(4) << rig.fx_px, 0.0, rig.cx_right_px, -rig.fx_px * rig.baseline_m;
-  region_C.col(5) << 0.0, 0.0, 1.0, -geometry_.depth(largest_px);
+  region_C.col(5) << 0.0, 0.0, 1.0, -nearestDepth();
   for (int side = 0; side < 6; ++side) region_C.col(side) /= region_C.col(side).head<3>().norm();
   return region_C;
 }

@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kTooManyRepetitions = 3;    // noise hardly allows that
 constexpr double kRateMemory_s = 0.3;     // of the rate's exponential mean: longer than links hold readings back
+constexpr double kBestMemory_s = 10.0;    // of the best rate: drivers flush buffers when they start
 constexpr double kSlowShare = 1.0 / 3.0;  // of the best rate
 
 }  // namespace
@@ -17,8 +18,9 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (!std::isfinite(reading.stamp_s)) return;
   if (reading.stamp_s < newest_.stamp_s - kClockSetBack_s) *this = LidarWatch();
   if (reading.stamp_s < newest_.stamp_s) return;
+  const double since_s = std::isnan(newest_.stamp_s) ? 0.0 : reading.stamp_s - newest_.stamp_s;
   rate_hz_ = rate(reading.stamp_s) + 1.0 / kRateMemory_s;
-  best_rate_hz_ = std::max(best_rate_hz_, rate_hz_);
+  best_rate_hz_ = std::max(best_rate_hz_ * std::exp(-since_s / kBestMemory_s), rate_hz_);
   repetitions_ = reading.range_m == newest_.range_m ? repetitions_ + 1 : 0;
   newest_ = reading;
   fused_ = fused;

@@ -75,6 +75,13 @@ TEST(LidarWatch, TakesBurstsOfALinkForWhatTheyAre) {
   }
 }
 
+TEST(LidarWatch, ForgetsABurstAtTheStart) {
+  LidarWatch watch;
+  for (int i = 0; i < 12; ++i) watch.add(reading(0.0001 * i, 50.0 - i), true);
+  feed(watch, 0.1, 10.0, 10.0);
+  EXPECT_FALSE(watch.isSlow(10.0));
+}
+
 TEST(LidarWatch, BeginsAnewWhenTheClockIsSetBack) {
   LidarWatch watch;
   feed(watch, 100.0, 101.0, 100.0);

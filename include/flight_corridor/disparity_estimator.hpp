@@ -14,7 +14,7 @@ namespace flight_corridor {
 
 struct StereoConfig {
   std::string mode = "3way";     ///< sgbm, hh, 3way or hh4 (cv::StereoSGBM modes).
-  int num_disparities_px = 128;  ///< Search range, a multiple of 16; nearest depth = f*B/num_disparities.
+  int num_disparities_px = 128;  ///< Search range, a multiple of 32; nearest depth = f*B/num_disparities.
   int block_size_px = 3;         ///< Odd.
   int smoothness_small = 4;      ///< SGBM P1 per pixel of the block (Hirschmueller 2008, eq. 13).
   int smoothness_large = 12;     ///< SGBM P2 per pixel of the block.
@@ -52,6 +52,9 @@ class DisparityEstimator {
 
   /// Where in C a surface could be matched: on both images, and within the disparities searched.
   ConvexRegion observable() const;
+
+  /// Nothing nearer is found: a smaller disparity is taken for it, or none [m].
+  double nearestDepth() const;
 
  private:
   void balance(const StereoFrame& frame);

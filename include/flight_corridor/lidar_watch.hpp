@@ -16,7 +16,8 @@ class LidarWatch {
   bool isRejected() const { return newest_.stamp_s == newest_.stamp_s && !fused_; }
   /// Equal to the last bit too often to be noise.
   bool repeatsItself() const;
-  /// At this stamp readings come at less than a third of the rate they once had. Bursts and a late link are no cause.
+  /// At this stamp readings come at less than a third of their best rate of late. Bursts and a late link are no cause.
+  /// For LiDARs of 3 Hz and more.
   bool isSlow(double stamp_s) const;
   /// Full width of the beam's cone [rad]; 0 before the first reading.
   double beamWidth() const { return newest_.field_of_view_rad; }
@@ -27,7 +28,7 @@ class LidarWatch {
   RangeReading newest_;  // its stamp is NaN before the first one
   bool fused_ = false;
   int repetitions_ = 0;                        // of its range, by the readings before it
-  double rate_hz_ = 0.0, best_rate_hz_ = 0.0;  // at the newest reading, and of all so far
+  double rate_hz_ = 0.0, best_rate_hz_ = 0.0;  // at the newest reading, and the best of late
 };
 
 }  // namespace flight_corridor

@@ -92,6 +92,8 @@ class Pipeline {
   const Config& config() const { return config_; }
   const StereoGeometry& geometry() const { return geometry_; }
   const Counters& counters() const { return counters_; }
+  /// An obstacle nearer than this is not seen, and may be called free [m].
+  double nearestDepth() const { return disparity_estimator_.nearestDepth(); }
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
   const DepthImages& depth() const { return depth_; }

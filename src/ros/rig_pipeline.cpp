@@ -29,6 +29,12 @@ std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& li
   pipeline_.emplace(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F_});
   ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, %s", calibration.size_px.width, calibration.size_px.height,
            calibration.fx_px, calibration.baseline_m, T_C_L_ ? ("LiDAR " + lidar_frame_).c_str() : "no LiDAR");
+  if (const double nearest_m = pipeline_->nearestDepth(); nearest_m > config_.corridor.blind_m) {
+    ROS_WARN(
+        "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): an obstacle between the two is "
+        "not seen, the corridor may be FREE. A larger stereo/num_disparities_px sees nearer",
+        nearest_m, config_.corridor.blind_m);
+  }
   return 0;
 } catch (const std::invalid_argument& error) {
   if (warning_.due()) {

@@ -141,6 +141,8 @@ int main(int argc, char** argv) {
             "exit with 1 when a truly blocked frame was called FREE or has no verdict, or none was scored")
       .notes(
           "Truly blocked: the exact box is hit. Truly free: not even the box 0.10 m larger on every side is.\n"
-          "Between the two: borderline, not scored. Several --result --truth pairs are scored together.");
+          "Between the two: borderline, not scored. Several --result --truth pairs are scored together.\n"
+          "simulate's truth is that of the default box, 1.2 m x 0.4 m x 4 m from the camera along its axis: verdicts\n"
+          "on another box do not belong to it.");
   return runTool(options, argc, argv, [&] { return evaluate(options); });
 }
