@@ -282,10 +282,13 @@ std::optional<double> Pipeline::beamEndInBox() const {
   if (!std::isfinite(nearest_m)) return std::nullopt;
   const Box box = boxInCamera();
   const auto along = [&](double beam_m) -> Eigen::Vector3d { return box.T_M_F.inverse() * beam_.point(beam_m); };
-  const Eigen::Vector3d end_F = along(nearest_m);
-  const bool inside = 0.0 <= end_F.x() && end_F.x() < box.size_m.x() && 2.0 * std::abs(end_F.y()) <= box.size_m.y() &&
-                      2.0 * std::abs(end_F.z()) <= box.size_m.z();
-  return inside ? std::optional<double>(std::min(along(range_m).x(), box.size_m.x())) : std::nullopt;
+  const auto is_inside = [&](const Eigen::Vector3d& p_F) {
+    return 0.0 <= p_F.x() && p_F.x() < box.size_m.x() && 2.0 * std::abs(p_F.y()) <= box.size_m.y() &&
+           2.0 * std::abs(p_F.z()) <= box.size_m.z();
+  };
+  const Eigen::Vector3d end_F = along(range_m);
+  if (!is_inside(end_F) && !is_inside(along(nearest_m))) return std::nullopt;  // a large sigma reaches behind the box
+  return std::clamp(end_F.x(), 0.0, box.size_m.x());
 }
 
 const Cloud& Pipeline::cloud() {

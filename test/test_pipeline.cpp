@@ -51,6 +51,16 @@ TEST(Pipeline, ARangeThatMayEndInTheCorridorBlocksIt) {
   EXPECT_EQ(report.verdict.clear_distance_m, config.corridor.length_m);
 }
 
+TEST(Pipeline, ARangeInTheCorridorBlocksItHoweverUncertain) {
+  Config config;
+  config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = 50.0;
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  pipeline.addRange(reading(1.0, 3.0));
+  const Report& report = pipeline.process(wallFrame(kGeometry, 7, 1.0));  // 3 m
+  ASSERT_GT(report.range.sigma_m, report.range.range_m);
+  EXPECT_TRUE(report.verdict.reasons & kShortRange);
+}
+
 TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   Config config;
   config.map.frame_id = "odom";
