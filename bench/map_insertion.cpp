@@ -144,22 +144,30 @@ class RatioReporter : public benchmark::ConsoleReporter {
       const std::string name = run.run_name.function_name;
       const std::size_t slash = name.find('/');
       const auto method = std::find(std::begin(kNames), std::end(kNames), name.substr(0, slash)) - std::begin(kNames);
-      rows_[name.substr(slash + 1)][method] = run.GetAdjustedCPUTime() / run.counters.at("frames");
+      const double frames = run.counters.at("frames");
+      rows_[name.substr(slash + 1)][method] = {run.GetAdjustedRealTime() / frames, run.GetAdjustedCPUTime() / frames};
     }
   }
 
   void printTable() const {
-    std::printf("\nCPU time per frame [ms], and how many times ours is faster.\n");
-    std::printf("%-32s %16s %12s %8s | %16s %12s\n", "scene/resolution/range/tree", kNames[0], kNames[1], kNames[2],
-                kNames[0], kNames[1]);
-    for (const auto& [name, ms] : rows_) {
-      std::printf("%-32s %16.1f %12.1f %8.2f | %15.0fx %11.0fx\n", name.c_str(), ms[kPlain], ms[kDiscretised],
-                  ms[kOurs], ms[kPlain] / ms[kOurs], ms[kDiscretised] / ms[kOurs]);
+    std::printf(
+        "\nTime per frame [ms], CPU time of ours on all its threads, and how many times sooner ours is done.\n");
+    std::printf("%-32s %16s %12s %8s %8s | %16s %12s\n", "scene/resolution/range/tree", kNames[0], kNames[1], kNames[2],
+                "its CPU", kNames[0], kNames[1]);
+    for (const auto& [name, costs] : rows_) {
+      const double ours_ms = costs[kOurs].time_ms;
+      std::printf("%-32s %16.1f %12.1f %8.2f %8.2f | %15.0fx %11.0fx\n", name.c_str(), costs[kPlain].time_ms,
+                  costs[kDiscretised].time_ms, ours_ms, costs[kOurs].cpu_ms, costs[kPlain].time_ms / ours_ms,
+                  costs[kDiscretised].time_ms / ours_ms);
     }
   }
 
  private:
-  std::map<std::string, std::array<double, kMethods>> rows_;
+  struct Cost {
+    double time_ms, cpu_ms;  // of a frame
+  };
+
+  std::map<std::string, std::array<Cost, kMethods>> rows_;
 };
 
 void registerCases() {
@@ -174,6 +182,7 @@ void registerCases() {
                           kept ? "kept" : "empty");
             benchmark::RegisterBenchmark(name, insertViews, static_cast<Method>(method), what)
                 ->MeasureProcessCPUTime()
+                ->UseRealTime()
                 ->Unit(benchmark::kMillisecond);
           }
         }

@@ -109,4 +109,14 @@ FLIGHT_CORRIDOR_WIDE void DepthPyramid::nearest(const EightTiles& tiles, float (
   for (int i = 0; i < 8; ++i) nearest_m[i] = std::min(above_m[i], below_m[i]);
 }
 
+FLIGHT_CORRIDOR_WIDE void DepthPyramid::unusable(const EightTiles& tiles, int (&unusable)[8]) const {
+  const int stride = columns_ + 1;
+  const int* sum = unusable_sum_.data();
+  for (int i = 0; i < 8; ++i) {
+    const int above = tiles.top[i] * stride, below = (tiles.bottom[i] + 1) * stride;
+    const int left = tiles.left[i], right = tiles.right[i] + 1;
+    unusable[i] = sum[below + right] - sum[above + right] - sum[below + left] + sum[above + left];
+  }
+}
+
 }  // namespace flight_corridor

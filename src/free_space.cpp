@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/core/utility.hpp>
 
 #include "flight_corridor/wide_registers.hpp"
 
@@ -19,22 +20,7 @@ int tileAt(float px, float last_px) {
   return static_cast<int>(positive < last_px ? positive : last_px) / DepthPyramid::kTile_px;
 }
 
-/// Bit i: flag i.
-unsigned bits(const int (&flags)[8]) {
-  unsigned all = 0;
-  for (unsigned i = 0; i < 8; ++i) all |= static_cast<unsigned>(flags[i]) << i;
-  return all;
-}
-
 }  // namespace
-
-/// A cube of the octree, known to it or not.
-struct FreeSpace::Cube {
-  octomap::OcTreeKey key;    // of its lowest corner's cell
-  unsigned depth;            // 0 = root
-  Eigen::Vector3f centre_C;  // [m]
-  float farthest_m;          // up to where one of its rays is free
-};
 
 /// The eight parts of a cube, side by side so that the compiler reckons several at once. Each is bounded by a box
 /// square to the camera, whose image is bounded by its sides at its nearest or farthest depth.
@@ -46,7 +32,9 @@ struct FreeSpace::Parts {
   int is_near[8];                  // the camera: cannot be projected
   int is_seen[8];                  // perhaps, by rays that are free in it
   float nearest_m[8];              // the least free ray that meets it
-  int is_before[8];                // the ends of all rays that meet it
+  int unusable[8];                 // tiles of the image
+  unsigned near = 0, seen = 0;     // bit i: is_near[i], is_seen[i]
+  unsigned free = 0;               // bit i: it is
 };
 
 FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry) : config_(config), geometry_(geometry) {
@@ -59,13 +47,19 @@ FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry) : 
   }
 }
 
-const std::vector<FreeSpace::Family>& FreeSpace::find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
+/// First down to blocks, then below each of them, side by side on as many threads as OpenCV has.
+const std::vector<FreeSpace::Families>& FreeSpace::find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
   const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
   orientCubes(T_C_M);
   pyramid_.build(depth_m, geometry_, config_.free_band_px, config_.min_ray_fraction);
-  free_.clear();
+  for (Families& families : free_) families.clear();
+  blocks_.clear();
   const Cube root{octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation(), std::numeric_limits<float>::infinity()};
-  if (const unsigned free = descend(root)) free_.push_back({root.key, 0, free});
+  findBelow(root, free_[0], &blocks_);
+  if (free_.size() <= blocks_.size()) free_.resize(blocks_.size() + 1);
+  cv::parallel_for_({0, static_cast<int>(blocks_.size())}, [this](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) findBelow(blocks_[i], free_[i + 1], nullptr);
+  });
   return free_;
 }
 
@@ -85,55 +79,57 @@ void FreeSpace::orientCubes(const Eigen::Isometry3f& T_C_M) {
   }
 }
 
+void FreeSpace::findBelow(const Cube& cube, Families& free, std::vector<Cube>* blocks) const {
+  if (const unsigned children = descend(cube, free, blocks)) free.push_back({cube.key, cube.depth, children});
+}
+
 /// @return the free children of a cube; free cubes below the others are noted.
-unsigned FreeSpace::descend(const Cube& cube) {
+/// @param blocks takes those to be descended into later; null: none.
+unsigned FreeSpace::descend(const Cube& cube, Families& free, std::vector<Cube>* blocks) const {
   const unsigned depth = cube.depth + 1;
   Parts parts;
   project(cube, parts);
-  compareWithRays(parts);
   const int least_tiles = leastTilesOfCells(cube);
   const bool are_cells = depth == EvidenceTree::kDepth;
-  unsigned free = withRaysEnough(parts, are_cells ? 0 : least_tiles * least_tiles);
-  if (are_cells) return free;
-  for (unsigned rest = (bits(parts.is_seen) & ~free) | bits(parts.is_near); rest != 0; rest &= rest - 1) {
+  compareWithRays(are_cells ? 0 : least_tiles * least_tiles, parts);
+  unsigned children = parts.free;
+  if (are_cells) return children;
+  for (unsigned rest = (parts.seen & ~children) | parts.near; rest != 0; rest &= rest - 1) {
     const unsigned i = __builtin_ctz(rest);
     const bool is_near = parts.is_near[i] != 0;
     const float farthest_m = is_near ? cube.farthest_m : pyramid_.farthest(parts.tiles[i], least_tiles);
     if (parts.near_m[i] + cellDepth() > farthest_m || (is_near && isBesideView(parts, i, depth))) continue;
     const Cube part{
         EvidenceTree::childKey(cube.key, cube.depth, i), depth, {parts.x_m[i], parts.y_m[i], parts.z_m[i]}, farthest_m};
-    const unsigned below = descend(part);
+    if (blocks && depth == kBlockDepth) {
+      blocks->push_back(part);
+      continue;
+    }
+    const unsigned below = descend(part, free, blocks);
     if (below == kAllChildren) {
-      free |= 1u << i;
+      children |= 1u << i;
     } else if (below != 0) {
-      free_.push_back({part.key, depth, below});
+      free.push_back({part.key, depth, below});
     }
   }
-  return free;
+  return children;
 }
 
-FLIGHT_CORRIDOR_WIDE void FreeSpace::compareWithRays(Parts& parts) const {
-  pyramid_.nearest(parts.tiles, parts.nearest_m);
-  const auto max_range_m = static_cast<float>(config_.max_range_m);
-  for (int i = 0; i < 8; ++i) {
-    parts.is_before[i] = parts.is_seen[i] & parts.is_inside[i] & (parts.far_m[i] <= parts.nearest_m[i]) &
-                         (parts.far_m[i] <= max_range_m);
-  }
-}
-
-/// Those parts before the ends of all their rays in which every cell has rays enough: a cell's image holds no more
-/// tiles without than its cube's, and no fewer tiles than the smallest image of a cell.
+/// Finds those parts before the ends of all their rays in which every cell has rays enough: a cell's image holds no
+/// more tiles without than its cube's, and no fewer tiles than the smallest image of a cell.
 /// @param least_tiles of a cell's image; 0: the parts are cells.
-unsigned FreeSpace::withRaysEnough(const Parts& parts, int least_tiles) const {
-  const double unusable_share = 1.0 - config_.min_ray_fraction;
-  unsigned enough = 0;
-  for (unsigned rest = bits(parts.is_before); rest != 0; rest &= rest - 1) {
-    const unsigned i = __builtin_ctz(rest);
-    const DepthPyramid::Tiles tiles = parts.tiles[i];
-    const double most_unusable = unusable_share * (least_tiles > 0 ? least_tiles : tiles.area());
-    enough |= static_cast<unsigned>(pyramid_.unusable(tiles) <= most_unusable) << i;
+FLIGHT_CORRIDOR_WIDE void FreeSpace::compareWithRays(int least_tiles, Parts& parts) const {
+  pyramid_.nearest(parts.tiles, parts.nearest_m);
+  pyramid_.unusable(parts.tiles, parts.unusable);
+  const auto max_range_m = static_cast<float>(config_.max_range_m);
+  const auto unusable_share = static_cast<float>(1.0 - config_.min_ray_fraction);
+  for (int i = 0; i < 8; ++i) {
+    const int tiles = least_tiles > 0 ? least_tiles : parts.tiles.area(i);
+    const unsigned is_free = parts.is_seen[i] & parts.is_inside[i] & (parts.far_m[i] <= parts.nearest_m[i]) &
+                             (parts.far_m[i] <= max_range_m) &
+                             (static_cast<float>(parts.unusable[i]) <= unusable_share * static_cast<float>(tiles));
+    parts.free |= is_free << i;
   }
-  return enough;
 }
 
 /// How many tiles wide and high a cell's image is at least, anywhere in a cube.
@@ -176,6 +172,8 @@ FLIGHT_CORRIDOR_WIDE void FreeSpace::project(const Cube& cube, Parts& parts) con
     parts.is_near[i] = is_near & (parts.far_m[i] > 0.0f);
     parts.is_seen[i] = (is_near ^ 1) & (is_outside ^ 1) & (parts.near_m[i] <= nearest_end_m);
     parts.is_inside[i] = (left_px >= 0.0f) & (right_px <= last_u) & (top_px >= 0.0f) & (bottom_px <= last_v);
+    parts.near |= static_cast<unsigned>(parts.is_near[i]) << i;
+    parts.seen |= static_cast<unsigned>(parts.is_seen[i]) << i;
     parts.tiles.left[i] = -parts.is_seen[i] & tileAt(left_px, last_u);
     parts.tiles.right[i] = -parts.is_seen[i] & tileAt(right_px + 1.0f, last_u);
     parts.tiles.top[i] = -parts.is_seen[i] & tileAt(top_px, last_v);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 namespace flight_corridor {
 
@@ -30,8 +31,8 @@ octomap::point3d toOctomap(const Eigen::Vector3d& p) {
 
 OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry)
     : config_((throwIfBroken(check(config)), config)),
-      geometry_(geometry),
       tree_(config.resolution_m),
+      hit_rule_(config, geometry.calibration()),
       points_(config, geometry),
       free_space_(config, geometry) {
   tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
@@ -40,21 +41,22 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
   tree_.setProbMiss(octomap::probability(config.log_odds_miss));
 }
 
+/// Free space is found while points are counted; what the tree is told does not depend on which ends first.
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
+  std::future<const std::vector<FreeSpace::Families>&> free =
+      std::async(std::launch::async,
+                 [&]() -> const std::vector<FreeSpace::Families>& { return free_space_.find(depth_m, T_M_C); });
   points_.count(depth_m, T_M_C);
   addHits(T_M_C.inverse().cast<float>());
-  for (const FreeSpace::Family& family : free_space_.find(depth_m, T_M_C)) {
-    addToChildren(family.key, family.depth, family.children, config_.log_odds_miss);
+  for (const FreeSpace::Families& families : free.get()) {
+    for (const FreeSpace::Family& family : families) {
+      addToChildren(family.key, family.depth, family.children, config_.log_odds_miss);
+    }
   }
   tree_.settle();
 }
 
-/// Cells with points enough for their distance are hit: a full face shows f^2 r^2 / Z^2 of them.
 void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
-  const StereoCalibration& calibration = geometry_.calibration();
-  const double face_px_m2 = calibration.fx_px * calibration.fy_px * config_.resolution_m * config_.resolution_m;
-  const auto enough_m2 = static_cast<float>(config_.hit_fraction * face_px_m2);
-  const auto min_points = static_cast<std::uint32_t>(config_.min_hit_points);
   const Eigen::RowVector3f deeper = T_C_M.linear().row(2) * static_cast<float>(0.5 * config_.resolution_m);
   for (const CellCounts::Cube& cube : points_.cubes()) {
     const Eigen::Array3i key = points_.lowestCell(cube);
@@ -63,10 +65,7 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
     unsigned hits = 0;
     for (unsigned i = 0; i < 8; ++i) {
       const Eigen::Vector3f side(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
-      const float depth_m = middle_m + deeper.dot(side);
-      const bool is_hit = cube.counts[i] >= min_points && depth_m > 0.0f &&
-                          static_cast<float>(cube.counts[i]) * depth_m * depth_m >= enough_m2;
-      hits |= static_cast<unsigned>(is_hit) << i;
+      hits |= static_cast<unsigned>(hit_rule_.isHit(cube.counts[i], middle_m + deeper.dot(side))) << i;
     }
     if (hits == 0 || (key < 0).any() || (key > kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();

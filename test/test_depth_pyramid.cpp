@@ -54,24 +54,32 @@ cv::Mat randomDepth(cv::Size size, std::mt19937& random) {
   return depth_m;
 }
 
-TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangle) {
+TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangleAloneOrAmongEight) {
   std::mt19937 random(11);
   for (const cv::Size size : {cv::Size(64, 48), cv::Size(61, 47), cv::Size(4, 4), cv::Size(3, 90)}) {
     const cv::Mat depth_m = randomDepth(size, random);
     DepthPyramid pyramid;
     pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
     const int columns = (size.width + kTile_px - 1) / kTile_px, rows = (size.height + kTile_px - 1) / kTile_px;
-    const auto random_tiles = [&] {
-      const int left = random() % columns, top = random() % rows;
-      const int right = left + random() % (columns - left), bottom = top + random() % (rows - top);
-      return DepthPyramid::Tiles{left, top, right, bottom};
-    };
-    for (int trial = 0; trial < 300; ++trial) {
-      const DepthPyramid::Tiles tiles = random_tiles();
-      const Expected expected = loopOver(depth_m, tiles);
-      ASSERT_EQ(pyramid.nearest(tiles), expected.nearest_m);
-      ASSERT_EQ(pyramid.farthest(tiles, 1), expected.farthest_m);
-      ASSERT_EQ(pyramid.unusable(tiles), expected.unusable);
+    for (int trial = 0; trial < 100; ++trial) {
+      DepthPyramid::EightTiles tiles;
+      for (int i = 0; i < 8; ++i) {
+        tiles.left[i] = random() % columns;
+        tiles.top[i] = random() % rows;
+        tiles.right[i] = tiles.left[i] + random() % std::min(trial % 2 ? columns : 8, columns - tiles.left[i]);
+        tiles.bottom[i] = tiles.top[i] + random() % std::min(trial % 2 ? rows : 8, rows - tiles.top[i]);
+      }
+      float nearest_m[8];
+      int unusable[8];
+      pyramid.nearest(tiles, nearest_m);
+      pyramid.unusable(tiles, unusable);
+      for (unsigned i = 0; i < 8; ++i) {
+        const Expected expected = loopOver(depth_m, tiles[i]);
+        ASSERT_EQ(nearest_m[i], expected.nearest_m);
+        ASSERT_EQ(pyramid.nearest(tiles[i]), expected.nearest_m);
+        ASSERT_EQ(pyramid.farthest(tiles[i], 1), expected.farthest_m);
+        ASSERT_EQ(unusable[i], expected.unusable);
+      }
     }
   }
 }
@@ -97,26 +105,6 @@ TEST(DepthPyramid, NoRectangleOfAsManyTilesIsFreeBeyondTheFarthest) {
     below_the_most_of_single_tiles += farthest_m < pyramid.farthest(tiles, 1);
   }
   EXPECT_GT(below_the_most_of_single_tiles, 100);
-}
-
-TEST(DepthPyramid, EightRectanglesAtOnceAreAsOneByOne) {
-  std::mt19937 random(13);
-  const cv::Mat depth_m = randomDepth({64, 48}, random);
-  DepthPyramid pyramid;
-  pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
-  for (int trial = 0; trial < 100; ++trial) {
-    DepthPyramid::EightTiles tiles;
-    const int largest = trial % 2 ? 16 : 8;
-    for (int i = 0; i < 8; ++i) {
-      tiles.left[i] = random() % 16;
-      tiles.top[i] = random() % 12;
-      tiles.right[i] = tiles.left[i] + random() % std::min(largest, 16 - tiles.left[i]);
-      tiles.bottom[i] = tiles.top[i] + random() % std::min(largest, 12 - tiles.top[i]);
-    }
-    float nearest_m[8];
-    pyramid.nearest(tiles, nearest_m);
-    for (unsigned i = 0; i < 8; ++i) ASSERT_EQ(nearest_m[i], pyramid.nearest(tiles[i]));
-  }
 }
 
 }  // namespace

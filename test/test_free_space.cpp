@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/utility.hpp>
+#include <vector>
 
 #include "flight_corridor/free_space.hpp"
 #include "support/calibrations.hpp"
@@ -17,12 +19,18 @@ struct Found {
   double cells = 0.0, farthest_m = 0.0;
 };
 
+FreeSpace::Families joined(const std::vector<FreeSpace::Families>& lists) {
+  FreeSpace::Families all;
+  for (const FreeSpace::Families& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
 Found findBefore(const cv::Mat& depth_m) {
   const MapConfig config;
   FreeSpace free_space(config, kGeometry);
   Found found;
-  for (const FreeSpace::Family& family : free_space.find(depth_m, Eigen::Isometry3d::Identity())) {
-    EXPECT_NE(family.children, 0xFFu) << "a cube whose parts all are free is one";
+  for (const FreeSpace::Family& family : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
+    EXPECT_TRUE(family.children != 0xFFu || family.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
     for (unsigned i = 0; i < 8; ++i) {
       if ((family.children >> i & 1u) == 0) continue;
       const int edge_cells = 1 << (EvidenceTree::kDepth - family.depth - 1);
@@ -48,6 +56,33 @@ TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
   const double free_m3 = found.cells * std::pow(MapConfig().resolution_m, 3);
   EXPECT_LT(free_m3, view_m3);
   EXPECT_GT(free_m3, 0.75 * view_m3);  // cells on the border of the view are left out
+}
+
+TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
+  const cv::Mat depth_m = test_support::wallDepth(kGeometry.size(), 4.0);
+  const auto found_by = [&](int threads) {
+    const int usual = cv::getNumThreads();
+    cv::setNumThreads(threads);
+    FreeSpace free_space(MapConfig(), kGeometry);
+    const FreeSpace::Families families = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
+    cv::setNumThreads(usual);
+    return families;
+  };
+  const FreeSpace::Families by_one = found_by(1), by_four = found_by(4);
+  ASSERT_GT(by_one.size(), 0u);
+  ASSERT_EQ(by_one.size(), by_four.size());
+  for (std::size_t i = 0; i < by_one.size(); ++i) {
+    EXPECT_EQ(by_one[i].key, by_four[i].key);
+    EXPECT_EQ(by_one[i].depth, by_four[i].depth);
+    EXPECT_EQ(by_one[i].children, by_four[i].children);
+  }
+}
+
+TEST(FreeSpace, FindsNothingOfTheImageBefore) {
+  FreeSpace free_space(MapConfig(), kGeometry);
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  EXPECT_GT(joined(free_space.find(test_support::wallDepth(kGeometry.size(), 4.0), here)).size(), 0u);
+  EXPECT_EQ(joined(free_space.find(test_support::wallDepth(kGeometry.size(), kNaN), here)).size(), 0u);
 }
 
 TEST(FreeSpace, IsNoneWithoutRays) {

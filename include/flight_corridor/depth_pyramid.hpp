@@ -21,13 +21,13 @@ class DepthPyramid {
   /// Rectangle of tiles, its last column and row included. Not empty, inside the image.
   struct Tiles {
     int left, top, right, bottom;
-    int area() const { return (right - left + 1) * (bottom - top + 1); }
   };
 
   /// Eight rectangles, side by side so that the compiler reckons several at once.
   struct EightTiles {
     int left[8], top[8], right[8], bottom[8];
     Tiles operator[](unsigned i) const { return {left[i], top[i], right[i], bottom[i]}; }
+    int area(unsigned i) const { return (right[i] - left[i] + 1) * (bottom[i] - top[i] + 1); }
   };
 
   /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
@@ -52,12 +52,8 @@ class DepthPyramid {
     return overBlocks(farthest_m_[level], corners, [](float a, float b) { return std::max(a, b); });
   }
 
-  /// How many of a rectangle's tiles hold too few rays.
-  int unusable(const Tiles& tiles) const {
-    const int* above = &unusable_sum_[static_cast<std::size_t>(tiles.top) * (columns_ + 1)];
-    const int* below = &unusable_sum_[static_cast<std::size_t>(tiles.bottom + 1) * (columns_ + 1)];
-    return below[tiles.right + 1] - above[tiles.right + 1] - below[tiles.left] + above[tiles.left];
-  }
+  /// How many of each rectangle's tiles hold too few rays.
+  void unusable(const EightTiles& tiles, int (&unusable)[8]) const;
 
  private:
   void buildTiles(const cv::Mat& depth_m, double min_ray_fraction);

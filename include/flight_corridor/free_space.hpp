@@ -18,6 +18,8 @@ namespace flight_corridor {
 /// (after Reijgwart et al. 2023), by descending from the root only into cubes that may hold free cells.
 class FreeSpace {
  public:
+  static constexpr unsigned kBlockDepth = EvidenceTree::kDepth - 4;  ///< Of cubes searched by a thread each.
+
   /// Free children of a cube of the octree.
   struct Family {
     octomap::OcTreeKey key;  // of the cube's lowest cell
@@ -25,15 +27,25 @@ class FreeSpace {
     unsigned children;       // bit i: child i
   };
 
+  using Families = std::vector<Family>;
+
   FreeSpace(const MapConfig& config, const StereoGeometry& geometry);
 
-  /// All free cells, by the largest cubes that hold nothing else.
+  /// All free cells, by large cubes that hold nothing else; within a block by the largest.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
-  const std::vector<Family>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
+  /// @return lists of neighbours; which threads found them makes no difference.
+  const std::vector<Families>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
  private:
-  struct Cube;
   struct Parts;
+
+  /// A cube of the octree, known to it or not.
+  struct Cube {
+    octomap::OcTreeKey key;    // of its lowest corner's cell
+    unsigned depth;            // 0 = root
+    Eigen::Vector3f centre_C;  // [m]
+    float farthest_m;          // up to where one of its rays is free
+  };
 
   /// Cubes of one depth, as C sees them.
   struct Orientation {
@@ -42,10 +54,10 @@ class FreeSpace {
   };
 
   void orientCubes(const Eigen::Isometry3f& T_C_M);
-  unsigned descend(const Cube& cube);
+  void findBelow(const Cube& cube, Families& free, std::vector<Cube>* blocks) const;
+  unsigned descend(const Cube& cube, Families& free, std::vector<Cube>* blocks) const;
   void project(const Cube& cube, Parts& parts) const;
-  void compareWithRays(Parts& parts) const;
-  unsigned withRaysEnough(const Parts& parts, int least_tiles) const;
+  void compareWithRays(int least_tiles, Parts& parts) const;
   int leastTilesOfCells(const Cube& cube) const;
   bool isBesideView(const Parts& parts, unsigned i, unsigned depth) const;
   float cellDepth() const { return 2.0f * orientations_.back().reach.z(); }  // of the box around a cell
@@ -55,7 +67,8 @@ class FreeSpace {
   DepthPyramid pyramid_;
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::array<Orientation, EvidenceTree::kDepth + 1> orientations_;  // per depth
-  std::vector<Family> free_;
+  std::vector<Cube> blocks_;                                        // to be descended into side by side
+  std::vector<Families> free_ = std::vector<Families>(1);           // above the blocks, then of each block
 };
 
 }  // namespace flight_corridor

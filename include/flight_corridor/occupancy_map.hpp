@@ -8,6 +8,7 @@
 
 #include "flight_corridor/evidence_tree.hpp"
 #include "flight_corridor/free_space.hpp"
+#include "flight_corridor/hit_rule.hpp"
 #include "flight_corridor/map_config.hpp"
 #include "flight_corridor/point_counter.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
@@ -50,8 +51,8 @@ class OccupancyMap {
   bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
-  StereoGeometry geometry_;
   EvidenceTree tree_;
+  HitRule hit_rule_;
   PointCounter points_;
   FreeSpace free_space_;
   octomap::KeyRay beam_;
