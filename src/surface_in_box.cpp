@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr double kBeside_m = 0.05;     // so far outside of the box's sides a point may lie by error: 4 px at 4 m
-constexpr double kNearerShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma
+constexpr double kEdge_px = 4.0;          // so far block matching may move a surface's edge
+constexpr double kUncertainShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma; of
+                                          // a cell's rays that may have no end
 
 }  // namespace
 
@@ -17,6 +19,7 @@ SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geomet
                            const Eigen::Isometry3d& T_M_C, const Box& box)
     : config_(config),
       geometry_(geometry),
+      hit_rule_(config, geometry.calibration()),
       depth_m_(depth_m),
       T_M_C_(T_M_C),
       T_F_C_(box.T_M_F.inverse() * T_M_C),
@@ -24,25 +27,36 @@ SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geomet
       cell_reach_C_(0.5 * config.resolution_m * T_M_C.linear().cwiseAbs().colwise().sum().transpose()) {}
 
 double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) {
-  const Eigen::Vector3d cell_centre_C = T_M_C_.inverse() * cell_centre_M;
-  const cv::Rect area = pixels(cell_centre_C);
-  int points = 0;
+  const Eigen::Vector3d centre_C = T_M_C_.inverse() * cell_centre_M;
+  if (!isShown(centre_C)) return near_m;
+  if (static_cast<int>(begins_m_.size()) < config_.min_hit_points) return kInfinity;
+  const auto begin = begins_m_.begin() + static_cast<std::ptrdiff_t>(kUncertainShare * begins_m_.size());
+  std::nth_element(begins_m_.begin(), begin, begins_m_.end());
+  return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
+}
+
+/// Whether the image tells what is in a cell: points that make a hit, or nearly all rays end in it or behind it.
+/// Collects where its points in the box begin.
+bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
+  const cv::Rect area = pixels(centre_C);
+  const Eigen::Matrix3d& R_M_C = T_M_C_.linear();
+  const Eigen::Vector3d centre = R_M_C * centre_C;  // from C's origin, along the cell's edges
+  int rays = 0, hits = 0, misses = 0;
   begins_m_.clear();
   for (int v = area.y; v < area.br().y; ++v) {
     for (int u = area.x; u < area.br().x; ++u) {
+      const Eigen::Vector3d ray_C = geometry_.point(u, v, 1.0), ray = R_M_C * ray_C;
       const double depth_m = depth_m_.at<float>(v, u);
-      const Eigen::Vector3d hit_C = geometry_.point(u, v, geometry_.shiftedDepth(depth_m, config_.hit_band_px));
-      const Eigen::Vector3d from_centre_M = T_M_C_.linear() * (hit_C - cell_centre_C);
-      if (!(from_centre_M.cwiseAbs().array() <= 0.5 * config_.resolution_m).all()) continue;
-      ++points;
-      if (isInBox(T_F_C_ * hit_C)) begins_m_.push_back((T_F_C_ * geometry_.point(u, v, depth_m)).x());
+      const double hit_m = geometry_.shiftedDepth(depth_m, config_.hit_band_px);
+      const bool is_hit = isInCell(ray * hit_m - centre), crosses = isInCell(ray * centre_C.z() - centre);
+      rays += is_hit || crosses;
+      hits += is_hit;
+      misses += crosses && !is_hit && hit_m > centre_C.z();
+      if (is_hit && isInBox(ray_C * hit_m)) begins_m_.push_back((T_F_C_ * (ray_C * depth_m)).x());
     }
   }
-  if (!(points >= enoughPoints(cell_centre_C.z()))) return near_m;
-  if (static_cast<int>(begins_m_.size()) < config_.min_hit_points) return kInfinity;
-  const auto begin = begins_m_.begin() + static_cast<std::ptrdiff_t>(kNearerShare * begins_m_.size());
-  std::nth_element(begins_m_.begin(), begin, begins_m_.end());
-  return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
+  return hit_rule_.isHit(static_cast<std::uint32_t>(hits), static_cast<float>(centre_C.z())) ||
+         (rays >= config_.min_hit_points && hits + misses >= (1.0 - kUncertainShare) * rays);
 }
 
 /// Pixels of the box square to C around a cell; none where it does not lie wholly on the image.
@@ -58,17 +72,16 @@ cv::Rect SurfaceInBox::pixels(const Eigen::Vector3d& cell_centre_C) const {
   return {first.x(), first.y(), last.x() - first.x() + 1, last.y() - first.y() + 1};
 }
 
-/// Those that make a hit, as in OccupancyMap.
-double SurfaceInBox::enoughPoints(double depth_m) const {
-  const StereoCalibration& calibration = geometry_.calibration();
-  const double edge_m = config_.resolution_m;
-  const double face_px = calibration.fx_px * calibration.fy_px * edge_m * edge_m / (depth_m * depth_m);
-  return std::max<double>(config_.min_hit_points, config_.hit_fraction * face_px);
+bool SurfaceInBox::isInCell(const Eigen::Vector3d& from_centre) const {
+  return (from_centre.cwiseAbs().array() <= 0.5 * config_.resolution_m).all();
 }
 
-bool SurfaceInBox::isInBox(const Eigen::Vector3d& point_F) const {
-  return point_F.x() < box_size_m_.x() && std::abs(point_F.y()) <= 0.5 * box_size_m_.y() + kBeside_m &&
-         std::abs(point_F.z()) <= 0.5 * box_size_m_.z() + kBeside_m;
+/// Or so little beside it that its edge may be.
+bool SurfaceInBox::isInBox(const Eigen::Vector3d& point_C) const {
+  const double beside_m = kEdge_px * point_C.z() / geometry_.calibration().fx_px;
+  const Eigen::Vector3d point_F = T_F_C_ * point_C;
+  return point_F.x() < box_size_m_.x() && std::abs(point_F.y()) <= 0.5 * box_size_m_.y() + beside_m &&
+         std::abs(point_F.z()) <= 0.5 * box_size_m_.z() + beside_m;
 }
 
 }  // namespace flight_corridor

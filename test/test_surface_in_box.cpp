@@ -62,12 +62,21 @@ TEST(SurfaceInBox, AFewNearerPointsAreNoise) {
 }
 
 TEST(SurfaceInBox, CellsThatTheImageDoesNotShowAreAllThatIsKnown) {
-  EXPECT_EQ(begin(strip(8.0f, -9.0, 9.0), kBesideRight_C), kNear_m) << "remembered; seen through now";
   EXPECT_EQ(begin(strip(2.0f, -9.0, 9.0), kBesideRight_C), kNear_m) << "hidden";
   EXPECT_EQ(begin(strip(3.06f, -9.0, -8.0), kBesideRight_C), kNear_m) << "not matched";
   EXPECT_EQ(begin(strip(3.06f, 0.695, 0.70), kBesideRight_C), kNear_m) << "too few points";
   EXPECT_EQ(begin(strip(3.06f, 2.6, 9.0), {2.75, 0.05, 3.05}), kNear_m) << "partly beside the image";
   EXPECT_EQ(begin(strip(3.06f, -9.0, 9.0), {0.65, 0.05, -3.05}), kNear_m) << "behind the camera";
+}
+
+TEST(SurfaceInBox, RememberedCellsThatAreSeenThroughAreEmpty) {
+  EXPECT_EQ(begin(strip(8.0f, -9.0, 9.0), kInside_C), kInfinity) << "gone";
+  EXPECT_EQ(begin(strip(3.16f, -9.0, 9.0), kInside_C), kInfinity) << "the surface seems to be a little farther now";
+}
+
+TEST(SurfaceInBox, RememberedCellsWithRaysThatHaveNoEndAreAllThatIsKnown) {
+  const cv::Mat left_of_it = strip(8.0f, -9.0, 8.0 / 3.05 * (kInside_C.x() + 0.03));
+  EXPECT_EQ(begin(left_of_it, kInside_C), kNear_m);
 }
 
 TEST(SurfaceInBox, WhatLiesBehindTheBoxesEndIsNotInIt) {

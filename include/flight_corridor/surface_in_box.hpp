@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "flight_corridor/corridor.hpp"
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/hit_rule.hpp"
+#include "flight_corridor/map_config.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 
 namespace flight_corridor {
@@ -21,17 +22,19 @@ class SurfaceInBox {
   /// Where along the box's axis [m] the surface begins that fills an occupied cell, its nearest points left out as
   /// noise.
   /// @param near_m where the cell itself begins.
-  /// @return +inf where the image shows what hits the cell and nothing of it lies in the box or 0.05 m beside it;
-  /// near_m where the image does not show that: then the cell is all that is known.
+  /// @return +inf where the image shows what is in the cell, or that it is empty, and nothing of it lies in the box or
+  /// up to 4 px beside it; near_m where the image does not show that: then the cell is all that is known.
   double begin(const Eigen::Vector3d& cell_centre_M, double near_m);
 
  private:
+  bool isShown(const Eigen::Vector3d& centre_C);
   cv::Rect pixels(const Eigen::Vector3d& cell_centre_C) const;
-  double enoughPoints(double depth_m) const;
-  bool isInBox(const Eigen::Vector3d& point_F) const;
+  bool isInCell(const Eigen::Vector3d& from_centre) const;
+  bool isInBox(const Eigen::Vector3d& point_C) const;
 
   MapConfig config_;
   StereoGeometry geometry_;
+  HitRule hit_rule_;
   cv::Mat depth_m_;
   Eigen::Isometry3d T_M_C_, T_F_C_;
   Eigen::Vector3d box_size_m_, cell_reach_C_;  // half extents of the box square to C around a cell
