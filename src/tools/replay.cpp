@@ -34,6 +34,9 @@ struct Change {
 };
 
 PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader& bag) {
+  if (options.given("overlay-every") && !options.given("overlays")) {
+    throw UsageError("--overlay-every needs --overlays, the folder");
+  }
   PictureOptions pictures;
   pictures.overlay_folder = options.text("overlays");
   pictures.overlay_every = static_cast<int>(options.integer("overlay-every", 0));
