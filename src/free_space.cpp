@@ -12,6 +12,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this reach behind the camera's optical centre
+constexpr double kSeenTile = 0.5;          // share of a tile's pixels that must have a ray
 constexpr unsigned kAllChildren = 0xFF;
 
 /// Tile of a pixel's column or row, moved into the image.
@@ -51,7 +52,7 @@ FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry) : 
 const std::vector<FreeSpace::Families>& FreeSpace::find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
   const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
   orientCubes(T_C_M);
-  pyramid_.build(depth_m, geometry_, config_.free_band_px, config_.min_ray_fraction);
+  pyramid_.build(depth_m, geometry_, config_.free_band_px, kSeenTile);
   for (Families& families : free_) families.clear();
   blocks_.clear();
   const Cube root{octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation(), std::numeric_limits<float>::infinity()};

@@ -207,7 +207,7 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, T_M_C, box);
+    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, report_.scale_sigma, T_M_C, box);
     return corridor_.inspect(map.tree(), box, observable, [&](const Eigen::Vector3d& cell_centre, double near_m) {
       return surface.begin(cell_centre, near_m);
     });

@@ -19,8 +19,10 @@ void requireFinite(double value, const char* name, std::string& faults) {
 
 std::string faultsOf(const StereoCalibration& calibration) {
   std::string faults;
-  requirePositive(calibration.size_px.width, "width", faults);
-  requirePositive(calibration.size_px.height, "height", faults);
+  if (calibration.size_px.width < 2 || calibration.size_px.height < 2) {
+    faults += " width and height must be 2 or more (" + std::to_string(calibration.size_px.width) + " x " +
+              std::to_string(calibration.size_px.height) + ");";
+  }
   requirePositive(calibration.fx_px, "fx", faults);
   requirePositive(calibration.fy_px, "fy", faults);
   requirePositive(calibration.baseline_m, "baseline", faults);

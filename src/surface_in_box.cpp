@@ -10,17 +10,19 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kEdge_px = 4.0;          // so far block matching may move a surface's edge
+constexpr double kFarther_px = 1.0;       // so much farther a surface may turn out to be when it is seen from nearer
 constexpr double kUncertainShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma; of
                                           // a cell's rays that may have no end
 
 }  // namespace
 
 SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m,
-                           const Eigen::Isometry3d& T_M_C, const Box& box)
+                           double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box)
     : config_(config),
       geometry_(geometry),
       hit_rule_(config, geometry.calibration()),
       depth_m_(depth_m),
+      scale_sigma_(scale_sigma),
       T_M_C_(T_M_C),
       T_F_C_(box.T_M_F.inverse() * T_M_C),
       box_size_m_(box.size_m),
@@ -35,13 +37,15 @@ double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) 
   return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
 }
 
-/// Whether the image tells what is in a cell: points that make a hit, or nearly all rays end in it or behind it.
-/// Collects where its points in the box begin.
+/// Whether the image tells what is in a cell: points that make a hit; or none in the box, and nearly all rays end in
+/// the cell or so little behind it that what was remembered in it is their surface. What is seen far behind it is no
+/// such proof: images lose thin things now and then. Collects where the points in the box begin.
 bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
   const cv::Rect area = pixels(centre_C);
   const Eigen::Matrix3d& R_M_C = T_M_C_.linear();
   const Eigen::Vector3d centre = R_M_C * centre_C;  // from C's origin, along the cell's edges
-  int rays = 0, hits = 0, misses = 0;
+  const double far_m = centre_C.z() + cell_reach_C_.z();
+  int rays = 0, hits = 0, behind = 0;
   begins_m_.clear();
   for (int v = area.y; v < area.br().y; ++v) {
     for (int u = area.x; u < area.br().x; ++u) {
@@ -51,12 +55,12 @@ bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
       const bool is_hit = isInCell(ray * hit_m - centre), crosses = isInCell(ray * centre_C.z() - centre);
       rays += is_hit || crosses;
       hits += is_hit;
-      misses += crosses && !is_hit && hit_m > centre_C.z();
+      behind += crosses && !is_hit && hit_m > centre_C.z() && geometry_.shiftedDepth(depth_m, kFarther_px) <= far_m;
       if (is_hit && isInBox(ray_C * hit_m)) begins_m_.push_back((T_F_C_ * (ray_C * depth_m)).x());
     }
   }
   return hit_rule_.isHit(static_cast<std::uint32_t>(hits), static_cast<float>(centre_C.z())) ||
-         (rays >= config_.min_hit_points && hits + misses >= (1.0 - kUncertainShare) * rays);
+         (begins_m_.empty() && rays >= config_.min_hit_points && hits + behind >= (1.0 - kUncertainShare) * rays);
 }
 
 /// Pixels of the box square to C around a cell; none where it does not lie wholly on the image.
@@ -76,12 +80,15 @@ bool SurfaceInBox::isInCell(const Eigen::Vector3d& from_centre) const {
   return (from_centre.cwiseAbs().array() <= 0.5 * config_.resolution_m).all();
 }
 
-/// Or so little beside it that its edge may be.
+/// Or so little beside it that its edge may be, or that it would be if the depth's scale is wrong.
 bool SurfaceInBox::isInBox(const Eigen::Vector3d& point_C) const {
-  const double beside_m = kEdge_px * point_C.z() / geometry_.calibration().fx_px;
+  const double edge_m = kEdge_px * point_C.z() / geometry_.calibration().fx_px;
   const Eigen::Vector3d point_F = T_F_C_ * point_C;
-  return point_F.x() < box_size_m_.x() && std::abs(point_F.y()) <= 0.5 * box_size_m_.y() + beside_m &&
-         std::abs(point_F.z()) <= 0.5 * box_size_m_.z() + beside_m;
+  const auto is_between_sides = [&](int axis) {
+    const double beside_m = std::hypot(edge_m, scale_sigma_ * point_F[axis]);
+    return std::abs(point_F[axis]) <= 0.5 * box_size_m_[axis] + beside_m;
+  };
+  return point_F.x() < box_size_m_.x() && is_between_sides(1) && is_between_sides(2);
 }
 
 }  // namespace flight_corridor

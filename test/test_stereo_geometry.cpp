@@ -79,6 +79,7 @@ TEST(StereoGeometry, RefusesEachImpossibleNumberByName) {
   EXPECT_NE(message([](auto& c) { c.fx_px = -350.0; }).find("fx"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.fy_px = kNaN; }).find("fy"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.size_px = {}; }).find("width"), std::string::npos);
+  EXPECT_NE(message([](auto& c) { c.size_px = {640, 1}; }).find("2 or more (640 x 1)"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.cx_right_px = kInfinity; }).find("right cx"), std::string::npos);
 }
 

@@ -34,8 +34,9 @@ cv::Mat strip(float depth_m, double left_m, double right_m) {
   return image;
 }
 
-double begin(const cv::Mat& depth_m, const Eigen::Vector3d& cell_centre_C) {
-  return SurfaceInBox(MapConfig(), kGeometry, depth_m, kHere, corridor(kHere)).begin(cell_centre_C, kNear_m);
+double begin(const cv::Mat& depth_m, const Eigen::Vector3d& cell_centre_C, double scale_sigma = 0.0) {
+  SurfaceInBox surface(MapConfig(), kGeometry, depth_m, scale_sigma, kHere, corridor(kHere));
+  return surface.begin(cell_centre_C, kNear_m);
 }
 
 TEST(SurfaceInBox, BeginsWhereTheSurfaceDoesNotWhereTheCellDoes) {
@@ -69,14 +70,23 @@ TEST(SurfaceInBox, CellsThatTheImageDoesNotShowAreAllThatIsKnown) {
   EXPECT_EQ(begin(strip(3.06f, -9.0, 9.0), {0.65, 0.05, -3.05}), kNear_m) << "behind the camera";
 }
 
-TEST(SurfaceInBox, RememberedCellsThatAreSeenThroughAreEmpty) {
-  EXPECT_EQ(begin(strip(8.0f, -9.0, 9.0), kInside_C), kInfinity) << "gone";
-  EXPECT_EQ(begin(strip(3.16f, -9.0, 9.0), kInside_C), kInfinity) << "the surface seems to be a little farther now";
+TEST(SurfaceInBox, SurfacesThatAWrongScaleMayHaveMovedOutAreInIt) {
+  EXPECT_EQ(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.01), kInfinity);
+  EXPECT_NEAR(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.09), 3.06, 1e-6);
 }
 
-TEST(SurfaceInBox, RememberedCellsWithRaysThatHaveNoEndAreAllThatIsKnown) {
-  const cv::Mat left_of_it = strip(8.0f, -9.0, 8.0 / 3.05 * (kInside_C.x() + 0.03));
-  EXPECT_EQ(begin(left_of_it, kInside_C), kNear_m);
+TEST(SurfaceInBox, ARememberedCellJustBeforeTheSurfaceIsThatSurface) {
+  EXPECT_EQ(begin(strip(3.16f, -9.0, 9.0), kInside_C), kInfinity);
+}
+
+TEST(SurfaceInBox, RememberedCellsThatTheImageMayHaveLostAreAllThatIsKnown) {
+  EXPECT_EQ(begin(strip(8.0f, -9.0, 9.0), kInside_C), kNear_m) << "seen through, up to far behind it";
+  const cv::Mat left_of_it = strip(3.16f, -9.0, 3.16 / 3.05 * (kInside_C.x() + 0.03));
+  EXPECT_EQ(begin(left_of_it, kInside_C), kNear_m) << "some rays have no end";
+  cv::Mat with_a_thread = strip(3.16f, -9.0, 9.0);
+  const Eigen::Vector2d middle_px = kGeometry.project(kInside_C);
+  with_a_thread.at<float>(static_cast<int>(middle_px.y()), static_cast<int>(middle_px.x())) = 3.06f;
+  EXPECT_EQ(begin(with_a_thread, kInside_C), kNear_m) << "a little of it is still seen";
 }
 
 TEST(SurfaceInBox, WhatLiesBehindTheBoxesEndIsNotInIt) {
@@ -91,7 +101,7 @@ TEST(SurfaceInBox, MovingMapAndCameraTogetherKeepsTheAnswer) {
   T_M_C.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   for (const double left_m : {0.57, 0.66}) {
     const cv::Mat depth_m = strip(3.06f, left_m, 1.0);
-    SurfaceInBox surface(MapConfig(), kGeometry, depth_m, T_M_C, corridor(T_M_C));
+    SurfaceInBox surface(MapConfig(), kGeometry, depth_m, 0.0, T_M_C, corridor(T_M_C));
     const double here_m = begin(depth_m, kBesideRight_C), there_m = surface.begin(T_M_C * kBesideRight_C, kNear_m);
     EXPECT_EQ(std::isfinite(there_m), std::isfinite(here_m)) << left_m;
     EXPECT_FALSE(std::abs(there_m - here_m) > 1e-6) << left_m;

@@ -15,15 +15,16 @@ namespace flight_corridor {
 class SurfaceInBox {
  public:
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = nothing; shared, not copied.
+  /// @param scale_sigma one sigma of the depth's scale [-].
   /// @param config of the map whose cells are asked for: a hit is the same here and there.
-  SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m,
+  SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m, double scale_sigma,
                const Eigen::Isometry3d& T_M_C, const Box& box);
 
   /// Where along the box's axis [m] the surface begins that fills an occupied cell, its nearest points left out as
   /// noise.
   /// @param near_m where the cell itself begins.
-  /// @return +inf where the image shows what is in the cell, or that it is empty, and nothing of it lies in the box or
-  /// up to 4 px beside it; near_m where the image does not show that: then the cell is all that is known.
+  /// @return +inf where the image shows what is in the cell, and nothing of it lies in the box or so little beside it
+  /// that it may be in it; near_m where the image does not show that: then the cell is all that is known.
   double begin(const Eigen::Vector3d& cell_centre_M, double near_m);
 
  private:
@@ -36,6 +37,7 @@ class SurfaceInBox {
   StereoGeometry geometry_;
   HitRule hit_rule_;
   cv::Mat depth_m_;
+  double scale_sigma_;
   Eigen::Isometry3d T_M_C_, T_F_C_;
   Eigen::Vector3d box_size_m_, cell_reach_C_;  // half extents of the box square to C around a cell
   std::vector<double> begins_m_;               // scratch: of the cell's points in the box
