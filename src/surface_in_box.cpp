@@ -86,7 +86,7 @@ bool SurfaceInBox::isInBox(const Eigen::Vector3d& point_C) const {
   const Eigen::Vector3d point_F = T_F_C_ * point_C;
   const auto is_between_sides = [&](int axis) {
     const double beside_m = std::hypot(edge_m, scale_sigma_ * point_F[axis]);
-    return std::abs(point_F[axis]) <= 0.5 * box_size_m_[axis] + beside_m;
+    return !(std::abs(point_F[axis]) > 0.5 * box_size_m_[axis] + beside_m);  // a scale of unknown sigma dismisses none
   };
   return point_F.x() < box_size_m_.x() && is_between_sides(1) && is_between_sides(2);
 }

@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <random>
 
 #include "flight_corridor/occupancy_map.hpp"
@@ -275,28 +273,6 @@ TEST(OccupancyMap, ClearForgetsEverything) {
   EXPECT_EQ(map.tree().size(), 0u);
   EXPECT_EQ(cellAt(map, {0, 0, 2}), Cell::Unknown);
 }
-
-#ifndef __SANITIZE_ADDRESS__  // which keeps what is freed
-/// Of this process.
-double residentMemory_MB() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0.0;
-  statm >> pages >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-TEST(OccupancyMap, InsertingLeavesNoMemoryBehindWhateverThreadsDo) {
-  OccupancyMap map(MapConfig(), kGeometry);
-  const cv::Mat depth_m = wallDepth(kGeometry.size(), 3.0);
-  const auto insert = [&](int times) {
-    for (int i = 0; i < times; ++i) map.insert(depth_m, Eigen::Isometry3d::Identity());
-  };
-  insert(200);
-  const double before_MB = residentMemory_MB();
-  insert(1500);
-  EXPECT_LT(residentMemory_MB() - before_MB, 0.5);  // 350 bytes an insertion
-}
-#endif
 
 }  // namespace
 }  // namespace flight_corridor

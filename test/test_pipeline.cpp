@@ -39,24 +39,25 @@ TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
   EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
 }
 
-TEST(Pipeline, ARangeThatMayEndInTheCorridorBlocksIt) {
+/// Of a wall at both sensors' range, when each is off by a variance.
+Report seenWithVariance(double variance_m2, double range_m, int disparity_px) {
   Config config;
-  config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = 0.5;
+  config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = variance_m2;
   Pipeline pipeline(config, kGeometry, rigWithLidar());
-  pipeline.addRange(reading(1.0, 4.2));
-  const Report& report = pipeline.process(wallFrame(kGeometry, 5, 1.0));  // 4.2 m
+  pipeline.addRange(reading(1.0, range_m));
+  return pipeline.process(wallFrame(kGeometry, disparity_px, 1.0));
+}
+
+TEST(Pipeline, ARangeThatMayEndInTheCorridorBlocksIt) {
+  const Report report = seenWithVariance(0.5, 4.2, 5);
   ASSERT_NEAR(report.range.range_m, 4.2, 0.1);
   EXPECT_EQ(report.verdict.state, State::Blocked);
   EXPECT_EQ(report.verdict.reasons & (kShortRange | kOccupiedCell), kShortRange);
-  EXPECT_EQ(report.verdict.clear_distance_m, config.corridor.length_m);
+  EXPECT_EQ(report.verdict.clear_distance_m, Config().corridor.length_m);
 }
 
 TEST(Pipeline, ARangeInTheCorridorBlocksItHoweverUncertain) {
-  Config config;
-  config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = 50.0;
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
-  pipeline.addRange(reading(1.0, 3.0));
-  const Report& report = pipeline.process(wallFrame(kGeometry, 7, 1.0));  // 3 m
+  const Report report = seenWithVariance(50.0, 3.0, 7);
   ASSERT_GT(report.range.sigma_m, report.range.range_m);
   EXPECT_TRUE(report.verdict.reasons & kShortRange);
 }

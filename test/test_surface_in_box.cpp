@@ -73,6 +73,10 @@ TEST(SurfaceInBox, CellsThatTheImageDoesNotShowAreAllThatIsKnown) {
 TEST(SurfaceInBox, SurfacesThatAWrongScaleMayHaveMovedOutAreInIt) {
   EXPECT_EQ(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.01), kInfinity);
   EXPECT_NEAR(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.09), 3.06, 1e-6);
+  for (const double unknown : {kNaN, kInfinity}) {
+    EXPECT_NEAR(begin(strip(3.06f, -1.0, 1.0), kInside_C, unknown), 3.06, 1e-6) << unknown;
+    EXPECT_NEAR(begin(strip(3.06f, 0.68, 1.0), kBesideRight_C, unknown), 3.06, 1e-6) << unknown;
+  }
 }
 
 TEST(SurfaceInBox, ARememberedCellJustBeforeTheSurfaceIsThatSurface) {

@@ -14,9 +14,9 @@ namespace flight_corridor {
 /// What one depth image shows of a box, cell by cell of a map: more exact than the cells are.
 class SurfaceInBox {
  public:
-  /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = nothing; shared, not copied.
-  /// @param scale_sigma one sigma of the depth's scale [-].
   /// @param config of the map whose cells are asked for: a hit is the same here and there.
+  /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = nothing; shared, not copied.
+  /// @param scale_sigma one sigma of the depth's scale [-]; NaN or infinite: whole cells block.
   SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m, double scale_sigma,
                const Eigen::Isometry3d& T_M_C, const Box& box);
 
