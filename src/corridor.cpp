@@ -211,6 +211,8 @@ Violations check(const CorridorConfig& config) {
                 config.blind_m);
   rules.require(0.0 <= config.max_unknown_fraction && config.max_unknown_fraction <= 1.0, "max_unknown_fraction",
                 "0 to 1", config.max_unknown_fraction);
+  rules.require(0.0 <= config.max_unmatched_fraction && config.max_unmatched_fraction <= 1.0, "max_unmatched_fraction",
+                "0 to 1", config.max_unmatched_fraction);
   rules.require(0.0 <= config.hold_s && config.hold_s <= 10.0, "hold_s", "0 to 10", config.hold_s);
   rules.require(config.max_age_s > 0.0, "max_age_s", "positive", config.max_age_s);
   return rules.broken();

@@ -126,8 +126,9 @@ void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   // Where nothing varies along the row, every disparity matches.
   cv::Sobel(left, gradient_, CV_16S, 1, 0, 1, 0.5);
   cv::convertScaleAbs(gradient_, gradient_);
-  cv::boxFilter(gradient_, texture_, CV_32F, {config_.block_size_px, config_.block_size_px});
-  cv::compare(texture_, leastTexture(left), keep_, cv::CMP_GE);
+  cv::boxFilter(gradient_, out.texture, CV_32F, {config_.block_size_px, config_.block_size_px});
+  out.least_texture = leastTexture(left);
+  cv::compare(out.texture, out.least_texture, keep_, cv::CMP_GE);
   toPixels(left_fixed_(image_area_), keep_, out.matched_px);
   level_matcher_.match(left, balanced_right_, out.matched_px);
   refiner_.refine(left, balanced_right_, out.matched_px);

@@ -63,6 +63,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       fusion_(config.fusion),
       scale_(config.scale),
       cloud_builder_(config.cloud, geometry),
+      unmatched_(geometry),
       map_(config.map, geometry),
       corridor_(config.corridor) {
   if (config.map.frame_id.empty()) return;
@@ -110,6 +111,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.cloud_ms);
     cloud_builder_.depth(disparity_, scale_, depth_);
+    unmatched_.find(disparity_, depth_.filled_m);
   }
   {
     const Stopwatch stage(report_.times.map_ms);
@@ -238,16 +240,21 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
+  because(isUnmatched(boxInCamera()), kUnmatched);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
   const bool hidden =
       isCloudTooFar() ||
-      (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kRecentlyBlocked)) != 0;
+      (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kUnmatched | kRecentlyBlocked)) != 0;
   verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
 
   because(report_.range.disagreement, kDisagreement);
   because(std::isnan(report_.range_lidar_m) || lidar_.isSlow(verdict.stamp_s), kNoLidar);
   because(lidar_.isRejected(), kLidarRejected);
   because(std::isnan(report_.range.range_m), kNoRangeObserved);
+}
+
+bool Pipeline::isUnmatched(const Box& box_C) const {
+  return unmatched_.share(box_C) > config_.corridor.max_unmatched_fraction;
 }
 
 /// The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
@@ -265,6 +272,7 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.reasons = report_.verdict.reasons & kMapInDoubt;
   if (blocked) verdict.reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
+  if (isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (isCloudTooFar()) verdict.reasons |= kDisagreement;
   verdict.state = blocked ? State::Blocked : verdict.reasons != 0 ? State::Unknown : State::Free;

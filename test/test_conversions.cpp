@@ -252,7 +252,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::LIDAR_REJECTED, kLidarRejected},
                                                       {CorridorState::NO_RANGE_OBSERVED, kNoRangeObserved},
                                                       {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked},
-                                                      {CorridorState::FROZEN_IMAGE, kFrozenImage}};
+                                                      {CorridorState::FROZEN_IMAGE, kFrozenImage},
+                                                      {CorridorState::UNMATCHED, kUnmatched}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }
 

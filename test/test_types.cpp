@@ -14,6 +14,7 @@ TEST(Types, ReasonsAreNamedInTheOrderOfTheirBits) {
   EXPECT_EQ(describeReasons(kNoRangeObserved), "NO_RANGE_OBSERVED");
   EXPECT_EQ(describeReasons(kRecentlyBlocked), "RECENTLY_BLOCKED");
   EXPECT_EQ(describeReasons(kFrozenImage), "FROZEN_IMAGE");
+  EXPECT_EQ(describeReasons(kUnmatched), "UNMATCHED");
 }
 
 TEST(Types, AFreshVerdictIsUnknown) {

@@ -37,6 +37,8 @@ struct Disparity {
   cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill between the matches, confident pixels only.
   cv::Mat confidence;             ///< CV_32FC1 [0..1]: of filtered_px.
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
+  cv::Mat texture;                ///< CV_32FC1: mean absolute gradient along the row, over the matcher's block.
+  double least_texture = 0.0;     ///< What texture exceeds noise.
 };
 
 /// Dense disparity of a rectified pair: semi-global matching (Hirschmueller 2008) and weighted least squares
@@ -80,7 +82,7 @@ class DisparityEstimator {
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
   cv::Mat balanced_right_, left_padded_, right_padded_, left_half_, right_half_;
-  cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, texture_, keep_;
+  cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, keep_;
   cv::Mat support_, lowest_, highest_, difference_, weight_;
 };
 

@@ -14,7 +14,7 @@ struct MapConfig {
   int min_hit_points = 4;         ///< ... and by no fewer points than these.
   double hit_band_px = 0.15;      ///< Surfaces are taken to be nearer by this much disparity: 1.5 sigma of a match.
   double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
-  double min_ray_fraction = 0.8;  ///< Share of a cell's pixels that must see past it to clear it: less may hide a wire.
+  double min_ray_fraction = 0.5;  ///< Share of a cell's pixels that must see past it to clear it.
   double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
   double log_odds_miss = -1.1;    ///< Added for a miss; two make an occupied cell free.
   double log_odds_min = -2.0;     ///< Clamping limits.

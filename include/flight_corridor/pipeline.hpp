@@ -15,6 +15,7 @@
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/surface_in_box.hpp"
 #include "flight_corridor/types.hpp"
+#include "flight_corridor/unmatched_texture.hpp"
 
 namespace flight_corridor {
 
@@ -115,6 +116,7 @@ class Pipeline {
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
   void decide();
+  bool isUnmatched(const Box& box_C) const;
   bool isCloudTooFar() const;
   std::optional<double> beamEndInBox() const;
 
@@ -126,6 +128,7 @@ class Pipeline {
   RangeFusion fusion_;
   ScaleCorrection scale_;
   CloudBuilder cloud_builder_;
+  UnmatchedTexture unmatched_;
   OccupancyMap map_;
   std::optional<OccupancyMap>
       frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now

@@ -82,11 +82,17 @@ Fields bind(flight_corridor::MapConfig& c) {
 }
 
 Fields bind(flight_corridor::CorridorConfig& c) {
-  return {{"frame_id", &c.frame_id}, {"width_m", &c.width_m},
-          {"height_m", &c.height_m}, {"length_m", &c.length_m},
-          {"offset_m", &c.offset_m}, {"margin_m", &c.margin_m},
-          {"blind_m", &c.blind_m},   {"max_unknown_fraction", &c.max_unknown_fraction},
-          {"hold_s", &c.hold_s},     {"max_age_s", &c.max_age_s}};
+  return {{"frame_id", &c.frame_id},
+          {"width_m", &c.width_m},
+          {"height_m", &c.height_m},
+          {"length_m", &c.length_m},
+          {"offset_m", &c.offset_m},
+          {"margin_m", &c.margin_m},
+          {"blind_m", &c.blind_m},
+          {"max_unknown_fraction", &c.max_unknown_fraction},
+          {"max_unmatched_fraction", &c.max_unmatched_fraction},
+          {"hold_s", &c.hold_s},
+          {"max_age_s", &c.max_age_s}};
 }
 
 Fields bind(RosConfig& c) {

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "flight_corridor/unmatched_texture.hpp"
+#include "support/calibrations.hpp"
+
+namespace flight_corridor {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kClearTexture = 20.0f, kLeastTexture = 1.5f;
+constexpr float kFar_m = 8.0f;
+const StereoGeometry kGeometry(test_support::vgaCalibration());
+const int kMiddle = kGeometry.size().width / 2;  // the optical axis, in the middle of each cross-section
+
+/// 1.2 m wide, 0.4 m high, 4 m long, from the camera along its axis.
+Box corridor() {
+  Box box;
+  box.T_M_F = opticalFromForward();
+  box.size_m = {4.0, 1.2, 0.4};
+  return box;
+}
+
+cv::Mat wall() { return {kGeometry.size(), CV_32FC1, cv::Scalar(kFar_m)}; }
+
+/// A wall far away with a gap across all rows.
+cv::Mat wallWithGap(int first, int width) {
+  cv::Mat depth_m = wall();
+  depth_m.colRange(first, first + width).setTo(kNothing);
+  return depth_m;
+}
+
+Disparity evenTexture(float texture) {
+  Disparity disparity;
+  disparity.texture.create(kGeometry.size(), CV_32FC1);
+  disparity.texture.setTo(texture);
+  disparity.least_texture = kLeastTexture;
+  return disparity;
+}
+
+double share(const cv::Mat& depth_m, const Disparity& disparity = evenTexture(kClearTexture),
+             const Box& box_C = corridor()) {
+  UnmatchedTexture unmatched(kGeometry);
+  unmatched.find(disparity, depth_m);
+  return unmatched.share(box_C);
+}
+
+int widthAtTheEnd() {
+  const double left = kGeometry.project({-0.6, 0.0, 4.0}).x(), right = kGeometry.project({0.6, 0.0, 4.0}).x();
+  return static_cast<int>(right) - static_cast<int>(left);
+}
+
+TEST(UnmatchedTexture, IsTheGapsShareOfTheViewWhereItIsLargest) {
+  EXPECT_EQ(share(wall()), 0.0);
+  EXPECT_NEAR(share(wallWithGap(kMiddle, 12)), 12.0 / widthAtTheEnd(), 1e-6);
+}
+
+TEST(UnmatchedTexture, OutsideOfTheBoxsViewDoesNotCount) {
+  Box low = corridor();
+  low.T_M_F.translation().y() = 1.0;  // down
+  cv::Mat depth_m = wall();
+  depth_m(cv::Rect(kMiddle, 0, 12, kGeometry.size().height / 2)).setTo(kNothing);
+  EXPECT_GT(share(depth_m), 0.0);
+  EXPECT_EQ(share(depth_m, evenTexture(kClearTexture), low), 0.0);
+}
+
+TEST(UnmatchedTexture, GapsWithoutClearTextureAreNoSign) {
+  EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(2.0f * kLeastTexture)), 0.0);
+}
+
+TEST(UnmatchedTexture, WeighsByTexture) {
+  Disparity disparity = evenTexture(kClearTexture);
+  disparity.texture.colRange(kMiddle, kMiddle + 12).setTo(3.0f * kClearTexture);
+  const double matched = widthAtTheEnd() - 12.0;
+  EXPECT_NEAR(share(wallWithGap(kMiddle, 12), disparity), 36.0 / (matched + 36.0), 1e-6);
+}
+
+TEST(UnmatchedTexture, WhatANearerSurfaceHidesFromTheRightCameraIsNoSign) {
+  const float near_m = 3.0f;
+  const auto hidden_px = static_cast<int>(kGeometry.disparity(near_m) - kGeometry.disparity(kFar_m));
+  cv::Mat depth_m = wallWithGap(kMiddle, hidden_px);
+  EXPECT_GT(share(depth_m), 0.0) << "nothing nearer";
+  depth_m.colRange(kMiddle + hidden_px, depth_m.cols).setTo(near_m);
+  EXPECT_EQ(share(depth_m), 0.0);
+  depth_m.colRange(kMiddle - hidden_px, kMiddle).setTo(kNothing);
+  EXPECT_GT(share(depth_m), 0.0) << "twice as wide as it hides";
+}
+
+TEST(UnmatchedTexture, WhatLiesBesideTheRightImageIsNoSign) {
+  Box left = corridor();
+  left.T_M_F.translation().x() = -kGeometry.point(kMiddle, 0, 4.0).x() + kGeometry.point(0, 0, 4.0).x();
+  EXPECT_EQ(share(wallWithGap(0, 40), evenTexture(kClearTexture), left), 0.0);
+}
+
+TEST(UnmatchedTexture, ABoxThatIsNotInViewHasNone) {
+  Box behind = corridor();
+  behind.T_M_F.translation().z() = -9.0;
+  EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), behind), 0.0);
+  EXPECT_EQ(UnmatchedTexture(kGeometry).share(corridor()), 0.0) << "no pair yet";
+}
+
+TEST(UnmatchedTexture, BlankImagesHaveNone) { EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(0.0f)), 0.0); }
+
+}  // namespace
+}  // namespace flight_corridor
