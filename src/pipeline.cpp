@@ -63,7 +63,6 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       fusion_(config.fusion),
       scale_(config.scale),
       cloud_builder_(config.cloud, geometry),
-      unmatched_(geometry),
       map_(config.map, geometry),
       corridor_(config.corridor) {
   if (config.map.frame_id.empty()) return;
@@ -97,7 +96,8 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
   image_faults_ = images_.faults(frame);
-  frame.left.copyTo(left_);
+  frame.left.copyTo(pair_.left);
+  frame.right.copyTo(pair_.right);
   cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
@@ -111,7 +111,6 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.cloud_ms);
     cloud_builder_.depth(disparity_, scale_, depth_);
-    unmatched_.find(disparity_, depth_.filled_m);
   }
   {
     const Stopwatch stage(report_.times.map_ms);
@@ -240,7 +239,7 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
-  because(isUnmatched(boxInCamera()), kUnmatched);
+  because(!blocked && isUnmatched(boxInCamera()), kUnmatched);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
   const bool hidden =
       isCloudTooFar() ||
@@ -254,7 +253,9 @@ void Pipeline::decide() {
 }
 
 bool Pipeline::isUnmatched(const Box& box_C) const {
-  return unmatched_.share(box_C) > config_.corridor.max_unmatched_fraction;
+  if (pair_.left.empty()) return false;
+  const UnmatchedTexture unmatched(geometry_, pair_, disparity_, depth_.filled_m, nearestDepth());
+  return unmatched.share(box_C) > config_.corridor.max_unmatched_fraction;
 }
 
 /// The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
@@ -272,7 +273,7 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.reasons = report_.verdict.reasons & kMapInDoubt;
   if (blocked) verdict.reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
-  if (isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
+  if (!blocked && isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (isCloudTooFar()) verdict.reasons |= kDisagreement;
   verdict.state = blocked ? State::Blocked : verdict.reasons != 0 ? State::Unknown : State::Free;
@@ -300,8 +301,8 @@ std::optional<double> Pipeline::beamEndInBox() const {
 }
 
 const Cloud& Pipeline::cloud() {
-  if (!cloud_is_current_ && !left_.empty()) {
-    cloud_builder_.cloud(depth_.filled_m, left_, config_.map.resolution_m, cloud_);
+  if (!cloud_is_current_ && !pair_.left.empty()) {
+    cloud_builder_.cloud(depth_.filled_m, pair_.left, config_.map.resolution_m, cloud_);
     cloud_is_current_ = true;
   }
   return cloud_;

@@ -8,59 +8,122 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kClear = 5.0;     // by how much clear texture exceeds what can be told from noise
-constexpr double kSlack_px = 6.0;  // matching moves both edges of a gap
-constexpr int kSections = 16;      // of a box, equally far apart
+constexpr double kClear = 5.0;          // by how much clear texture exceeds what can be told from noise
+constexpr double kSlack_px = 6.0;       // matching moves both edges of a gap
+constexpr int kSections = 16;           // of a box, equally far apart
+constexpr int kFirstSection = 4;        // nearer ones see nearly all of the image
+constexpr int kReach_px = 2;            // of the window that is compared, from its centre
+constexpr float kCorrelation = 0.85f;   // of windows that fit
+constexpr float kLeastContrast = 1.0f;  // [grey] of a window, to be divided by
+
+constexpr int kWindow_px = 2 * kReach_px + 1;
+constexpr int kWindowArea_px = kWindow_px * kWindow_px;
 
 double sumOver(const cv::Mat& integral, const cv::Rect& area) {
   return integral.at<double>(area.br().y, area.br().x) - integral.at<double>(area.y, area.br().x) -
          integral.at<double>(area.br().y, area.x) + integral.at<double>(area.y, area.x);
 }
 
+double farthestDepth(const Box& box_C) {
+  double farthest_m = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d corner(i & 1 ? 1.0 : 0.0, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
+    farthest_m = std::max(farthest_m, (box_C.T_M_F * box_C.size_m.cwiseProduct(corner)).z());
+  }
+  return farthest_m;
+}
+
 }  // namespace
 
-void UnmatchedTexture::find(const Disparity& disparity, const cv::Mat& depth_m) {
-  least_texture_ = disparity.least_texture;
-  unmatched_ = cv::Mat::zeros(depth_m.size(), CV_32FC1);
-  for (int v = 0; v < depth_m.rows; ++v) {
-    addRow(depth_m.ptr<float>(v), disparity.texture.ptr<float>(v), depth_m.cols,
-           static_cast<float>(kClear * least_texture_), unmatched_.ptr<float>(v));
+/// Whether a window of the left image fits on one of the right image's, within a range of disparities, by normalised
+/// cross-correlation: whatever the exposures.
+class UnmatchedTexture::Matcher {
+ public:
+  /// @param rows that are asked about.  @param first_px, last_px disparities, principal-point difference included.
+  Matcher(const StereoFrame& pair, cv::Range rows, int first_px, int last_px)
+      : first_row_(std::max(rows.start - kReach_px, 0)), first_px_(first_px), last_px_(last_px) {
+    rows = {first_row_, std::min(rows.end + kReach_px, pair.left.rows)};
+    left_ = pair.left.rowRange(rows);
+    pair.right.rowRange(rows).convertTo(right_, CV_32F);
+    cv::Mat mean, mean_of_squares;
+    cv::boxFilter(right_, mean, CV_32F, {kWindow_px, kWindow_px});
+    cv::sqrBoxFilter(right_, mean_of_squares, CV_32F, {kWindow_px, kWindow_px});
+    cv::sqrt(cv::max(mean_of_squares - mean.mul(mean), kLeastContrast * kLeastContrast), contrast_);
   }
-  cv::integral(disparity.texture, texture_sum_, CV_64F);
-  cv::integral(unmatched_, unmatched_sum_, CV_64F);
-}
 
-/// Gap by gap: a run of pixels without depth.
-void UnmatchedTexture::addRow(const float* depth_m, const float* texture, int cols, float least,
-                              float* unmatched) const {
-  for (int first = 0; first < cols; ++first) {
-    if (!std::isnan(depth_m[first])) continue;
-    int last = first;
-    while (last + 1 < cols && std::isnan(depth_m[last + 1])) ++last;
-    const float before_m = first > 0 ? depth_m[first - 1] : NAN, after_m = last + 1 < cols ? depth_m[last + 1] : NAN;
-    if (!isHidden(last + 1 - first, before_m, after_m)) {
-      for (int u = first; u <= last; ++u) unmatched[u] = texture[u] >= least ? texture[u] : 0.0f;
+  bool operator()(int u, int v) const {
+    v -= first_row_;
+    if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return false;
+    const int first = std::max(u - last_px_, kReach_px), last = std::min(u - first_px_, right_.cols - 1 - kReach_px);
+    if (last < first) return false;
+    float window[kWindowArea_px];
+    const float contrast = centredWindow(u, v, window);
+    covariance_.assign(last - first + 1, 0.0f);
+    for (int i = 0; i < kWindowArea_px; ++i) {
+      const float* right = right_.ptr<float>(v + i / kWindow_px - kReach_px) + first + i % kWindow_px - kReach_px;
+      for (std::size_t k = 0; k < covariance_.size(); ++k) covariance_[k] += window[i] * right[k];
     }
-    first = last;
+    const float* contrasts = contrast_.ptr<float>(v) + first;
+    const float least = kCorrelation * kWindowArea_px * std::max(contrast, kLeastContrast);
+    for (std::size_t k = 0; k < covariance_.size(); ++k) {
+      if (covariance_[k] >= least * contrasts[k]) return true;
+    }
+    return false;
   }
-}
 
-/// Whether the right camera does not see what is in a gap: it lies beside that camera's image, at the left border, or
-/// behind the nearer surface on the gap's right, which hides as many columns as its disparity is larger.
-bool UnmatchedTexture::isHidden(int width_px, float before_m, float after_m) const {
-  if (std::isnan(before_m)) return true;
-  return geometry_.disparity(after_m) - geometry_.disparity(before_m) >= width_px - kSlack_px;  // false for NaN
-}
+ private:
+  /// @return its standard deviation.
+  float centredWindow(int u, int v, float* window) const {
+    float sum = 0.0f, squares = 0.0f;
+    for (int i = 0; i < kWindowArea_px; ++i) {
+      window[i] = left_.at<std::uint8_t>(v + i / kWindow_px - kReach_px, u + i % kWindow_px - kReach_px);
+      sum += window[i];
+    }
+    for (int i = 0; i < kWindowArea_px; ++i) {
+      window[i] -= sum / kWindowArea_px;
+      squares += window[i] * window[i];
+    }
+    return std::sqrt(squares / kWindowArea_px);
+  }
+
+  cv::Mat left_, right_, contrast_;
+  int first_row_, first_px_, last_px_;
+  mutable std::vector<float> covariance_;  // scratch
+};
+
+UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
+                                   const cv::Mat& depth_m, double nearest_m)
+    : geometry_(geometry), pair_(pair), disparity_(disparity), depth_m_(depth_m), nearest_m_(nearest_m) {}
 
 double UnmatchedTexture::share(const Box& box_C) const {
+  const std::vector<cv::Rect> views = sections(box_C);
+  cv::Rect all;
+  for (const cv::Rect& view : views) all |= view;
+  if (all.empty()) return 0.0;
+  const auto matcherDisparity = [&](double depth_m) {
+    return static_cast<int>(std::floor(geometry_.disparity(depth_m) + geometry_.principalPointDifference()));
+  };
+  const Matcher fits(pair_, {all.y, all.br().y}, matcherDisparity(farthestDepth(box_C)), matcherDisparity(nearest_m_));
+  cv::Mat texture_sum, unmatched_sum;
+  cv::integral(disparity_.texture(all), texture_sum, CV_64F);
+  cv::integral(unmatched(all, fits), unmatched_sum, CV_64F);
   double largest = 0.0;
-  if (texture_sum_.empty()) return largest;
-  for (int i = 1; i <= kSections; ++i) {
-    const cv::Rect area = view(box_C, box_C.size_m.x() * i / kSections);
-    const double texture = std::max(sumOver(texture_sum_, area), least_texture_ * area.area());
-    if (texture > 0.0) largest = std::max(largest, sumOver(unmatched_sum_, area) / texture);
+  for (const cv::Rect& view : views) {
+    const cv::Rect area = view - all.tl();
+    const double texture = std::max(sumOver(texture_sum, area), disparity_.least_texture * area.area());
+    if (texture > 0.0) largest = std::max(largest, sumOver(unmatched_sum, area) / texture);
   }
   return largest;
+}
+
+/// Those that are seen.
+std::vector<cv::Rect> UnmatchedTexture::sections(const Box& box_C) const {
+  std::vector<cv::Rect> views;
+  for (int i = kFirstSection; i <= kSections; ++i) {
+    const cv::Rect area = view(box_C, box_C.size_m.x() * i / kSections);
+    if (!area.empty()) views.push_back(area);
+  }
+  return views;
 }
 
 /// Pixels of the rectangle around a cross-section of a box; none where it reaches behind the camera.
@@ -74,11 +137,40 @@ cv::Rect UnmatchedTexture::view(const Box& box_C, double x_m) const {
     view.extend(pixel);
   }
   const cv::Size size = geometry_.size();
-  const Eigen::AlignedBox2d image(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(size.width, size.height));
-  const Eigen::AlignedBox2d seen = view.intersection(image);
-  if (seen.isEmpty()) return {};
-  const Eigen::Vector2i first = seen.min().cast<int>(), last = seen.max().cast<int>();
+  view = view.intersection(Eigen::AlignedBox2d(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(size.width, size.height)));
+  if (view.isEmpty()) return {};
+  const Eigen::Vector2i first = view.min().cast<int>(), last = view.max().cast<int>();
   return {first.x(), first.y(), last.x() - first.x(), last.y() - first.y()};
+}
+
+/// Texture of an area where it is unmatched, elsewhere 0. Gap by gap: runs of pixels without depth.
+cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, const Matcher& fits) const {
+  const auto clear = static_cast<float>(kClear * disparity_.least_texture);
+  cv::Mat unmatched = cv::Mat::zeros(area.size(), CV_32FC1);
+  for (int v = area.y; v < area.br().y; ++v) {
+    const auto *depth_m = depth_m_.ptr<float>(v), *texture = disparity_.texture.ptr<float>(v);
+    auto* out = unmatched.ptr<float>(v - area.y);
+    for (int first = 0; first < depth_m_.cols; ++first) {
+      if (!std::isnan(depth_m[first])) continue;
+      int end = first + 1;
+      while (end < depth_m_.cols && std::isnan(depth_m[end])) ++end;
+      const float before_m = first > 0 ? depth_m[first - 1] : NAN, after_m = end < depth_m_.cols ? depth_m[end] : NAN;
+      if (!isHidden(end - first, before_m, after_m)) {
+        for (int u = std::max(first, area.x); u < std::min(end, area.br().x); ++u) {
+          if (texture[u] >= clear && fits(u, v)) out[u - area.x] = texture[u];
+        }
+      }
+      first = end;
+    }
+  }
+  return unmatched;
+}
+
+/// Whether the right camera does not see what is in a gap: it lies beside that camera's image, at the left border, or
+/// behind the nearer surface on the gap's right, which hides as many columns as its disparity is larger.
+bool UnmatchedTexture::isHidden(int width_px, float before_m, float after_m) const {
+  if (std::isnan(before_m)) return true;
+  return geometry_.disparity(after_m) - geometry_.disparity(before_m) >= width_px - kSlack_px;  // false for NaN
 }
 
 }  // namespace flight_corridor

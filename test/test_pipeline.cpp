@@ -79,6 +79,26 @@ TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   EXPECT_TRUE(report.verdict.reasons & kUnobserved);
 }
 
+/// Two of them at 1.8 m: each was matched with the other, and found behind the corridor.
+TEST(Pipeline, ParallelWiresThatFitOnEachOtherAreNotFree) {
+  sim::SimulationOptions options;
+  options.scene = "wire";
+  options.seed = 19;
+  options.rate_hz = 4.0;
+  const sim::Simulation simulation(options);
+  constexpr std::size_t kFrame = 16;
+  ASSERT_NEAR(simulation.truth(kFrame).clear_exact_m, 1.8, 0.1);
+  Config config;
+  Rig rig;
+  Pipeline pipeline(config, StereoGeometry(simulation.calibration()), rig);
+  const Verdict verdict = pipeline.process(simulation.frame(kFrame)).verdict;
+  EXPECT_EQ(verdict.state, State::Unknown);
+  EXPECT_EQ(verdict.reasons & (kUnmatched | kUnobserved), kUnmatched);
+  config.corridor.max_unmatched_fraction = 1.0;
+  Pipeline careless(config, StereoGeometry(simulation.calibration()), rig);
+  EXPECT_EQ(careless.process(simulation.frame(kFrame)).verdict.state, State::Free);
+}
+
 TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   StereoFrame frame;

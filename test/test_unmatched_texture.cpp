@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <opencv2/core.hpp>
 
 #include "flight_corridor/unmatched_texture.hpp"
 #include "support/calibrations.hpp"
@@ -39,11 +41,25 @@ Disparity evenTexture(float texture) {
   return disparity;
 }
 
+/// Noise that fits on itself at one disparity alone.
+StereoFrame pairWithDisparity(int disparity_px) {
+  StereoFrame pair;
+  pair.left.create(kGeometry.size(), CV_8UC1);
+  cv::RNG(7).fill(pair.left, cv::RNG::UNIFORM, 0, 256);
+  pair.right.create(kGeometry.size(), CV_8UC1);
+  cv::RNG(8).fill(pair.right, cv::RNG::UNIFORM, 0, 256);
+  const int width = pair.left.cols - disparity_px;
+  pair.left.colRange(disparity_px, pair.left.cols).copyTo(pair.right.colRange(0, width));
+  return pair;
+}
+
+const int kInTheBox_px = static_cast<int>(std::lround(kGeometry.disparity(2.0)));
+const int kBehindTheBox_px = static_cast<int>(std::lround(kGeometry.disparity(6.0)));
+constexpr double kNearest_m = 0.4;
+
 double share(const cv::Mat& depth_m, const Disparity& disparity = evenTexture(kClearTexture),
-             const Box& box_C = corridor()) {
-  UnmatchedTexture unmatched(kGeometry);
-  unmatched.find(disparity, depth_m);
-  return unmatched.share(box_C);
+             const Box& box_C = corridor(), const StereoFrame& pair = pairWithDisparity(kInTheBox_px)) {
+  return UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m).share(box_C);
 }
 
 int widthAtTheEnd() {
@@ -54,6 +70,18 @@ int widthAtTheEnd() {
 TEST(UnmatchedTexture, IsTheGapsShareOfTheViewWhereItIsLargest) {
   EXPECT_EQ(share(wall()), 0.0);
   EXPECT_NEAR(share(wallWithGap(kMiddle, 12)), 12.0 / widthAtTheEnd(), 1e-6);
+}
+
+TEST(UnmatchedTexture, WhatWouldNotFitInTheBoxIsNoSign) {
+  const StereoFrame behind = pairWithDisparity(kBehindTheBox_px);
+  EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), behind), 0.0);
+}
+
+TEST(UnmatchedTexture, FitsWhateverTheExposures) {
+  StereoFrame pair = pairWithDisparity(kInTheBox_px);
+  pair.right.convertTo(pair.right, -1, 0.5, 40.0);
+  EXPECT_NEAR(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), pair), 12.0 / widthAtTheEnd(),
+              1e-6);
 }
 
 TEST(UnmatchedTexture, OutsideOfTheBoxsViewDoesNotCount) {
@@ -97,7 +125,6 @@ TEST(UnmatchedTexture, ABoxThatIsNotInViewHasNone) {
   Box behind = corridor();
   behind.T_M_F.translation().z() = -9.0;
   EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), behind), 0.0);
-  EXPECT_EQ(UnmatchedTexture(kGeometry).share(corridor()), 0.0) << "no pair yet";
 }
 
 TEST(UnmatchedTexture, BlankImagesHaveNone) { EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(0.0f)), 0.0); }

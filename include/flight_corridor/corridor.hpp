@@ -14,12 +14,12 @@ struct CorridorConfig {
   std::string frame_id;  ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
   double width_m = 1.2;
   double height_m = 0.4;
-  double length_m = 4.0;                  ///< D_min: nearer obstacles block.
-  Eigen::Vector3d offset_m{0, 0, 0};      ///< Shift of the box's start: forward, left, up.
-  double margin_m = 0.0;                  ///< Added on every side and at the end.
-  double blind_m = 0.4;                   ///< Nearer than this nothing needs to have been observed.
-  double max_unknown_fraction = 0.1;      ///< More unobserved volume than this: UNKNOWN.
-  double max_unmatched_fraction = 0.045;  ///< More texture of a cross-section's view that fits nowhere: UNKNOWN.
+  double length_m = 4.0;                 ///< D_min: nearer obstacles block.
+  Eigen::Vector3d offset_m{0, 0, 0};     ///< Shift of the box's start: forward, left, up.
+  double margin_m = 0.0;                 ///< Added on every side and at the end.
+  double blind_m = 0.4;                  ///< Nearer than this nothing needs to have been observed.
+  double max_unknown_fraction = 0.1;     ///< More unobserved volume than this: UNKNOWN.
+  double max_unmatched_fraction = 0.04;  ///< More texture in view that is not matched, but would fit: UNKNOWN.
   double hold_s = 0.25;    ///< After BLOCKED nothing is FREE for so long: a thin obstacle is missed now and then.
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };

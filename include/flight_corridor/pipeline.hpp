@@ -128,7 +128,6 @@ class Pipeline {
   RangeFusion fusion_;
   ScaleCorrection scale_;
   CloudBuilder cloud_builder_;
-  UnmatchedTexture unmatched_;
   OccupancyMap map_;
   std::optional<OccupancyMap>
       frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now
@@ -138,7 +137,7 @@ class Pipeline {
   LidarWatch lidar_;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
-  cv::Mat left_;                    // own copy: the caller may reuse its own
+  StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   DepthImages depth_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
