@@ -114,6 +114,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.map_ms);
+    is_unmatched_ = isUnmatched(boxInCamera());
     updateMap();
   }
   {
@@ -187,15 +188,16 @@ void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const 
 /// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
 double Pipeline::lidarRange(double stamp_s) const { return lidar_.range(stamp_s, config_.fusion.max_gap_s); }
 
+/// An image in which something was lost clears nothing: what the map calls free is believed by others, and later.
 void Pipeline::updateMap() {
   if (config_.map.frame_id.empty()) {
     map_.clear();
   } else {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
     frame_map_->clear();
-    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity());
+    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), !is_unmatched_);
   }
-  map_.insert(depth_.filled_m, T_M_C_);
+  map_.insert(depth_.filled_m, T_M_C_, !is_unmatched_);
   if (const double range_m = report_.range.range_m;
       std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * beam_.point(0.0), T_M_C_ * beam_.point(range_m), true);
@@ -239,7 +241,7 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
-  because(!blocked && isUnmatched(boxInCamera()), kUnmatched);
+  because(is_unmatched_, kUnmatched);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
   const bool hidden =
       isCloudTooFar() ||
@@ -253,8 +255,8 @@ void Pipeline::decide() {
 }
 
 bool Pipeline::isUnmatched(const Box& box_C) const {
-  if (pair_.left.empty()) return false;
-  const UnmatchedTexture unmatched(geometry_, pair_, disparity_, depth_.filled_m, nearestDepth());
+  if (depth_.matched_m.empty()) return false;
+  const UnmatchedTexture unmatched(geometry_, pair_, disparity_, depth_.matched_m, nearestDepth());
   return unmatched.share(box_C) > config_.corridor.max_unmatched_fraction;
 }
 
@@ -316,6 +318,9 @@ void Pipeline::reset() {
   images_ = ImageWatch();
   blocked_s_ = -kInfinity;
   report_ = Report();
+  pair_ = StereoFrame();
+  disparity_ = Disparity();
+  depth_ = DepthImages();
 }
 
 }  // namespace flight_corridor

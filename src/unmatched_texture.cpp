@@ -2,19 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr double kClear = 5.0;          // by how much clear texture exceeds what can be told from noise
-constexpr double kSlack_px = 6.0;       // matching moves both edges of a gap
-constexpr int kSections = 16;           // of a box, equally far apart
-constexpr int kFirstSection = 4;        // nearer ones see nearly all of the image
-constexpr int kReach_px = 2;            // of the window that is compared, from its centre
-constexpr float kCorrelation = 0.85f;   // of windows that fit
-constexpr float kLeastContrast = 1.0f;  // [grey] of a window, to be divided by
+constexpr double kClear = 5.0;             // by how much clear texture exceeds what can be told from noise
+constexpr int kAround_px = 32;             // so far beside a gap its background is looked for
+constexpr double kSlack_px = 4.0;          // matching moves the edges of a gap
+constexpr double kScale = 0.9;             // smallest factor that the depth's scale may be wrong by
+constexpr double kNearestSection_m = 0.6;  // along the box; nearer ones see nearly all of the image
+constexpr double kSectionRatio = 0.85;     // of the distances of two neighbours
+constexpr int kReach_px = 2;               // of the window that is compared, from its centre
+constexpr float kCorrelation = 0.85f;      // of windows that fit
+constexpr float kLeastContrast = 1.0f;     // [grey] of a window, to be divided by
 
 constexpr int kWindow_px = 2 * kReach_px + 1;
 constexpr int kWindowArea_px = kWindow_px * kWindow_px;
@@ -51,22 +55,23 @@ class UnmatchedTexture::Matcher {
     cv::sqrt(cv::max(mean_of_squares - mean.mul(mean), kLeastContrast * kLeastContrast), contrast_);
   }
 
-  bool operator()(int u, int v) const {
+  /// @param covariance scratch.
+  bool fits(int u, int v, std::vector<float>& covariance) const {
     v -= first_row_;
     if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return false;
     const int first = std::max(u - last_px_, kReach_px), last = std::min(u - first_px_, right_.cols - 1 - kReach_px);
     if (last < first) return false;
     float window[kWindowArea_px];
     const float contrast = centredWindow(u, v, window);
-    covariance_.assign(last - first + 1, 0.0f);
+    covariance.assign(last - first + 1, 0.0f);
     for (int i = 0; i < kWindowArea_px; ++i) {
       const float* right = right_.ptr<float>(v + i / kWindow_px - kReach_px) + first + i % kWindow_px - kReach_px;
-      for (std::size_t k = 0; k < covariance_.size(); ++k) covariance_[k] += window[i] * right[k];
+      for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += window[i] * right[k];
     }
     const float* contrasts = contrast_.ptr<float>(v) + first;
     const float least = kCorrelation * kWindowArea_px * std::max(contrast, kLeastContrast);
-    for (std::size_t k = 0; k < covariance_.size(); ++k) {
-      if (covariance_[k] >= least * contrasts[k]) return true;
+    for (std::size_t k = 0; k < covariance.size(); ++k) {
+      if (covariance[k] >= least * contrasts[k]) return true;
     }
     return false;
   }
@@ -88,25 +93,20 @@ class UnmatchedTexture::Matcher {
 
   cv::Mat left_, right_, contrast_;
   int first_row_, first_px_, last_px_;
-  mutable std::vector<float> covariance_;  // scratch
 };
 
 UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
-                                   const cv::Mat& depth_m, double nearest_m)
-    : geometry_(geometry), pair_(pair), disparity_(disparity), depth_m_(depth_m), nearest_m_(nearest_m) {}
+                                   const cv::Mat& matched_m, double nearest_m)
+    : geometry_(geometry), pair_(pair), disparity_(disparity), matched_m_(matched_m), nearest_m_(nearest_m) {}
 
 double UnmatchedTexture::share(const Box& box_C) const {
   const std::vector<cv::Rect> views = sections(box_C);
   cv::Rect all;
   for (const cv::Rect& view : views) all |= view;
   if (all.empty()) return 0.0;
-  const auto matcherDisparity = [&](double depth_m) {
-    return static_cast<int>(std::floor(geometry_.disparity(depth_m) + geometry_.principalPointDifference()));
-  };
-  const Matcher fits(pair_, {all.y, all.br().y}, matcherDisparity(farthestDepth(box_C)), matcherDisparity(nearest_m_));
   cv::Mat texture_sum, unmatched_sum;
   cv::integral(disparity_.texture(all), texture_sum, CV_64F);
-  cv::integral(unmatched(all, fits), unmatched_sum, CV_64F);
+  cv::integral(unmatched(all, farthestDepth(box_C)), unmatched_sum, CV_64F);
   double largest = 0.0;
   for (const cv::Rect& view : views) {
     const cv::Rect area = view - all.tl();
@@ -116,61 +116,88 @@ double UnmatchedTexture::share(const Box& box_C) const {
   return largest;
 }
 
-/// Those that are seen.
+/// Views of cross-sections, from the box's end inwards.
 std::vector<cv::Rect> UnmatchedTexture::sections(const Box& box_C) const {
   std::vector<cv::Rect> views;
-  for (int i = kFirstSection; i <= kSections; ++i) {
-    const cv::Rect area = view(box_C, box_C.size_m.x() * i / kSections);
-    if (!area.empty()) views.push_back(area);
+  const double length_m = box_C.size_m.x();
+  for (double x_m = length_m; views.empty() || x_m >= kNearestSection_m; x_m *= kSectionRatio) {
+    views.push_back(view(box_C, x_m));
   }
+  views.erase(std::remove_if(views.begin(), views.end(), [](const cv::Rect& view) { return view.empty(); }),
+              views.end());
   return views;
 }
 
-/// Pixels of the rectangle around a cross-section of a box; none where it reaches behind the camera.
+/// Pixels of the rectangle around a cross-section of a box; all where only a part of it is behind the camera.
 cv::Rect UnmatchedTexture::view(const Box& box_C, double x_m) const {
+  const cv::Size size = geometry_.size();
   Eigen::AlignedBox2d view;
+  int behind = 0;
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d corner_F(x_m, (i & 1 ? 0.5 : -0.5) * box_C.size_m.y(),
                                    (i & 2 ? 0.5 : -0.5) * box_C.size_m.z());
     const Eigen::Vector2d pixel = geometry_.project(box_C.T_M_F * corner_F);
-    if (pixel.hasNaN()) return {};
-    view.extend(pixel);
+    if (pixel.hasNaN()) {
+      ++behind;
+    } else {
+      view.extend(pixel);
+    }
   }
-  const cv::Size size = geometry_.size();
+  if (behind > 0) return behind < 4 ? cv::Rect({}, size) : cv::Rect();
   view = view.intersection(Eigen::AlignedBox2d(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(size.width, size.height)));
   if (view.isEmpty()) return {};
   const Eigen::Vector2i first = view.min().cast<int>(), last = view.max().cast<int>();
   return {first.x(), first.y(), last.x() - first.x(), last.y() - first.y()};
 }
 
-/// Texture of an area where it is unmatched, elsewhere 0. Gap by gap: runs of pixels without depth.
-cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, const Matcher& fits) const {
-  const auto clear = static_cast<float>(kClear * disparity_.least_texture);
+/// Texture of an area where it is unmatched, elsewhere 0.
+cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, double farthest_m) const {
+  const auto matcherDisparity = [&](double disparity_px) {
+    const double largest_px = matched_m_.cols;
+    return static_cast<int>(std::floor(std::min(disparity_px, largest_px) + geometry_.principalPointDifference()));
+  };
+  const Matcher matcher(pair_, {area.y, area.br().y}, matcherDisparity(kScale * geometry_.disparity(farthest_m)),
+                        matcherDisparity(geometry_.disparity(nearest_m_)));
   cv::Mat unmatched = cv::Mat::zeros(area.size(), CV_32FC1);
-  for (int v = area.y; v < area.br().y; ++v) {
-    const auto *depth_m = depth_m_.ptr<float>(v), *texture = disparity_.texture.ptr<float>(v);
-    auto* out = unmatched.ptr<float>(v - area.y);
-    for (int first = 0; first < depth_m_.cols; ++first) {
-      if (!std::isnan(depth_m[first])) continue;
-      int end = first + 1;
-      while (end < depth_m_.cols && std::isnan(depth_m[end])) ++end;
-      const float before_m = first > 0 ? depth_m[first - 1] : NAN, after_m = end < depth_m_.cols ? depth_m[end] : NAN;
-      if (!isHidden(end - first, before_m, after_m)) {
+  cv::parallel_for_({area.y, area.br().y}, [&](const cv::Range& rows) {
+    std::vector<float> scratch;
+    for (int v = rows.start; v < rows.end; ++v) {
+      const auto* texture = disparity_.texture.ptr<float>(v);
+      auto* out = unmatched.ptr<float>(v - area.y);
+      forEachGap(v, [&](int first, int end) {
         for (int u = std::max(first, area.x); u < std::min(end, area.br().x); ++u) {
-          if (texture[u] >= clear && fits(u, v)) out[u - area.x] = texture[u];
+          if (texture[u] >= kClear * disparity_.least_texture && matcher.fits(u, v, scratch)) {
+            out[u - area.x] = texture[u];
+          }
         }
-      }
-      first = end;
+      });
     }
-  }
+  });
   return unmatched;
 }
 
-/// Whether the right camera does not see what is in a gap: it lies beside that camera's image, at the left border, or
-/// behind the nearer surface on the gap's right, which hides as many columns as its disparity is larger.
-bool UnmatchedTexture::isHidden(int width_px, float before_m, float after_m) const {
-  if (std::isnan(before_m)) return true;
-  return geometry_.disparity(after_m) - geometry_.disparity(before_m) >= width_px - kSlack_px;  // false for NaN
+/// Runs of a row's pixels without a match whose content the right camera should see.
+template <class Work>
+void UnmatchedTexture::forEachGap(int v, const Work& work) const {
+  const auto* depth_m = matched_m_.ptr<float>(v);
+  for (int first = 0; first < matched_m_.cols; ++first) {
+    if (!std::isnan(depth_m[first])) continue;
+    int end = first + 1;
+    while (end < matched_m_.cols && std::isnan(depth_m[end])) ++end;
+    if (!isHidden(depth_m, first, end)) work(first, end);
+    first = end;
+  }
+}
+
+/// Whether the right camera does not see what is in a gap: it is background behind the nearer surface on the gap's
+/// right, which hides as many columns as its disparity is larger, or lies beside that camera's image, on the left.
+bool UnmatchedTexture::isHidden(const float* depth_m, int first, int end) const {
+  if (end == matched_m_.cols) return false;
+  float background_m = first > 0 ? 0.0f : std::numeric_limits<float>::infinity();
+  for (int u = std::max(first - kAround_px, 0); u < std::min(end + kAround_px, matched_m_.cols); ++u) {
+    if (depth_m[u] > background_m) background_m = depth_m[u];
+  }
+  return geometry_.disparity(depth_m[end]) - geometry_.disparity(background_m) >= end - first - kSlack_px;
 }
 
 }  // namespace flight_corridor

@@ -105,26 +105,59 @@ TEST(UnmatchedTexture, WeighsByTexture) {
 }
 
 TEST(UnmatchedTexture, WhatANearerSurfaceHidesFromTheRightCameraIsNoSign) {
-  const float near_m = 3.0f;
+  const float near_m = 2.5f;
   const auto hidden_px = static_cast<int>(kGeometry.disparity(near_m) - kGeometry.disparity(kFar_m));
   cv::Mat depth_m = wallWithGap(kMiddle, hidden_px);
   EXPECT_GT(share(depth_m), 0.0) << "nothing nearer";
   depth_m.colRange(kMiddle + hidden_px, depth_m.cols).setTo(near_m);
   EXPECT_EQ(share(depth_m), 0.0);
+  depth_m.colRange(kMiddle - 8, kMiddle).setTo(near_m);
+  EXPECT_EQ(share(depth_m), 0.0) << "the background shows a little farther beside";
   depth_m.colRange(kMiddle - hidden_px, kMiddle).setTo(kNothing);
   EXPECT_GT(share(depth_m), 0.0) << "twice as wide as it hides";
 }
 
 TEST(UnmatchedTexture, WhatLiesBesideTheRightImageIsNoSign) {
   Box left = corridor();
-  left.T_M_F.translation().x() = -kGeometry.point(kMiddle, 0, 4.0).x() + kGeometry.point(0, 0, 4.0).x();
-  EXPECT_EQ(share(wallWithGap(0, 40), evenTexture(kClearTexture), left), 0.0);
+  left.T_M_F.translation().x() = kGeometry.point(kInTheBox_px + 30, 0, 4.0).x();
+  const auto hidden_px = static_cast<int>(kGeometry.disparity(kFar_m));
+  EXPECT_EQ(share(wallWithGap(0, hidden_px), evenTexture(kClearTexture), left), 0.0);
+  EXPECT_GT(share(wallWithGap(0, kInTheBox_px + 30), evenTexture(kClearTexture), left), 0.0) << "wider than that";
+}
+
+TEST(UnmatchedTexture, GapsFromBorderToBorderCount) { EXPECT_GT(share(wallWithGap(0, kGeometry.size().width)), 0.5); }
+
+TEST(UnmatchedTexture, NearPartsOfTheBoxAreLookedAt) {
+  const int first = static_cast<int>(kGeometry.project({0.45, 0.0, 0.8}).x());  // not in view of the box's end
+  ASSERT_GT(first, kGeometry.project({0.6, 0.0, 4.0}).x());
+  EXPECT_GT(share(wallWithGap(first, 40)), 0.05);
+}
+
+TEST(UnmatchedTexture, WindowsAreFoundBesideDifferentPrincipalPoints) {
+  StereoCalibration calibration = test_support::vgaCalibration();
+  constexpr int kDifference_px = 30;
+  calibration.cx_right_px = calibration.cx_px - kDifference_px;
+  const StereoGeometry geometry(calibration);
+  const auto share = [&](int disparity_px) {
+    return UnmatchedTexture(geometry, pairWithDisparity(disparity_px), evenTexture(kClearTexture),
+                            wallWithGap(kMiddle, 12), kNearest_m)
+        .share(corridor());
+  };
+  EXPECT_GT(share(kInTheBox_px + kDifference_px), 0.0);
+  EXPECT_EQ(share(kBehindTheBox_px + kDifference_px), 0.0);
 }
 
 TEST(UnmatchedTexture, ABoxThatIsNotInViewHasNone) {
   Box behind = corridor();
   behind.T_M_F.translation().z() = -9.0;
   EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), behind), 0.0);
+}
+
+TEST(UnmatchedTexture, OfABoxThatReachesBehindTheCameraAllOfTheImageIsLookedAt) {
+  Box across;  // its axis points to the right
+  across.T_M_F.translation() = Eigen::Vector3d(-0.6, 0.0, 1.9);
+  across.size_m = {1.2, 0.4, 4.0};
+  EXPECT_NEAR(share(wallWithGap(kMiddle, 64), evenTexture(kClearTexture), across), 0.1, 0.01);
 }
 
 TEST(UnmatchedTexture, BlankImagesHaveNone) { EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(0.0f)), 0.0); }

@@ -25,7 +25,8 @@ class OccupancyMap {
   /// Hits: cells holding enough points for their distance. Misses: cells that the rays through them end beyond, coarse
   /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
-  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
+  /// @param clears false: hits alone, for an image that may have lost something.
+  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
   /// @param hit false: nothing was met up to the end.

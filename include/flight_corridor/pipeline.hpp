@@ -78,8 +78,9 @@ class Pipeline {
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
   /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
-  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, or where the last frame says that
-  /// the map is not to be trusted. The answer is as old as its stamp, the last frame's: judge its age.
+  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame holds
+  /// unmatched texture that would fit in it, or says that the map is not to be trusted. The answer is as old as its
+  /// stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -137,6 +138,7 @@ class Pipeline {
   LidarWatch lidar_;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
+  bool is_unmatched_ = false;       // too much texture of the last pair, that would fit in the corridor
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   DepthImages depth_;

@@ -87,7 +87,7 @@ enum Reason : std::uint32_t {
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
   kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
   kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kUnmatched = 1u << 14,        ///< UNKNOWN: too much texture in view is not matched, but would fit in the box.
+  kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
 };
 
 /// The reasons' names joined by '|', e.g. "OCCUPIED_CELL|SHORT_RANGE"; "" when none.

@@ -72,14 +72,17 @@ void Publishers::publishProducts(const sensor_msgs::CameraInfo& left_info, const
   publishImages(left_info, header, left, pipeline, report);
   publish("points", [&] { return toPointCloud(header, pipeline.cloud()); });
   publishMap(header, pipeline, report);
-  publishForCostmap(header, pipeline);
+  publishForCostmap(header, pipeline, report);
 }
 
-void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipeline& pipeline) {
+void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipeline& pipeline, const Report& report) {
   const flight_corridor::MapConfig& config = pipeline.config().map;
   publish("obstacles",
           [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
-  publish("clearing", [&] { return toClearing(header, pipeline.depth().filled_m, pipeline.geometry(), config); });
+  const bool clears = (report.verdict.reasons & flight_corridor::kUnmatched) == 0;
+  publish("clearing", [&] {
+    return toClearing(header, clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
+  });
 }
 
 void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header,

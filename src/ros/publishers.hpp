@@ -37,7 +37,8 @@ class Publishers {
   void publishMap(const std_msgs::Header& header, const flight_corridor::Pipeline& pipeline,
                   const flight_corridor::Report& report);
 
-  void publishForCostmap(const std_msgs::Header& header, const flight_corridor::Pipeline& pipeline);
+  void publishForCostmap(const std_msgs::Header& header, const flight_corridor::Pipeline& pipeline,
+                         const Report& report);
 
   std::string map_frame_;
   Eigen::Isometry3d T_M_G_;  // z up in the map's frame
