@@ -38,7 +38,7 @@ class Publishers {
                   const flight_corridor::Report& report);
 
   void publishForCostmap(const std_msgs::Header& header, const flight_corridor::Pipeline& pipeline,
-                         const Report& report);
+                         const flight_corridor::Report& report);
 
   std::string map_frame_;
   Eigen::Isometry3d T_M_G_;  // z up in the map's frame
