@@ -49,6 +49,13 @@ TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
   EXPECT_EQ(cellAt(map, {0.0, 0.0, -1.0}), Cell::Unknown);  // behind the camera
 }
 
+TEST(OccupancyMap, WhatDoesNotClearHitsAlone) {
+  OccupancyMap map(withoutHitBand(), kGeometry);
+  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity(), false);
+  EXPECT_EQ(cellAt(map, {0.0, 0.3, 4.05}), Cell::Occupied);
+  EXPECT_EQ(cellAt(map, {0.0, 0.3, 3.2}), Cell::Unknown);
+}
+
 TEST(OccupancyMap, PixelsWithoutDepthCastNoRay) {
   cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
   depth.colRange(160, 320).setTo(kNaN);

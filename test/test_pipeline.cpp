@@ -9,6 +9,7 @@
 #include "flight_corridor/pipeline.hpp"
 #include "sim/simulation.hpp"
 #include "support/calibrations.hpp"
+#include "support/parallel_wires.hpp"
 #include "support/pipeline_inputs.hpp"
 #include "support/wall_scene.hpp"
 
@@ -79,24 +80,32 @@ TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   EXPECT_TRUE(report.verdict.reasons & kUnobserved);
 }
 
-/// Two of them at 1.8 m: each was matched with the other, and found behind the corridor.
-TEST(Pipeline, ParallelWiresThatFitOnEachOtherAreNotFree) {
-  sim::SimulationOptions options;
-  options.scene = "wire";
-  options.seed = 19;
-  options.rate_hz = 4.0;
-  const sim::Simulation simulation(options);
-  constexpr std::size_t kFrame = 16;
-  ASSERT_NEAR(simulation.truth(kFrame).clear_exact_m, 1.8, 0.1);
+TEST(Pipeline, AFrameOfUnmatchedTextureClearsNothing) {
+  const ParallelWires wires;
   Config config;
-  Rig rig;
-  Pipeline pipeline(config, StereoGeometry(simulation.calibration()), rig);
-  const Verdict verdict = pipeline.process(simulation.frame(kFrame)).verdict;
+  config.map.frame_id = "odom";
+  const auto is_free = [&](double max_unmatched_fraction) {
+    config.corridor.max_unmatched_fraction = max_unmatched_fraction;
+    Pipeline pipeline(config, wires.geometry, Rig());
+    pipeline.process(wires.frame, Eigen::Isometry3d::Identity());
+    const octomap::OcTreeNode* cell = pipeline.map().tree().search(0.05, 0.05, 1.45);
+    return cell && !pipeline.map().tree().isNodeOccupied(cell);
+  };
+  EXPECT_FALSE(is_free(config.corridor.max_unmatched_fraction));
+  EXPECT_TRUE(is_free(1.0));
+}
+
+TEST(Pipeline, ParallelWiresThatFitOnEachOtherAreNotFree) {
+  const ParallelWires wires;
+  ASSERT_NEAR(wires.simulation.truth(ParallelWires::kFrame).clear_exact_m, 1.8, 0.1);
+  Config config;
+  Pipeline pipeline(config, wires.geometry, Rig());
+  const Verdict verdict = pipeline.process(wires.frame).verdict;
   EXPECT_EQ(verdict.state, State::Unknown);
   EXPECT_TRUE(verdict.reasons & kUnmatched);
   config.corridor.max_unmatched_fraction = 1.0;
-  Pipeline careless(config, StereoGeometry(simulation.calibration()), rig);
-  EXPECT_EQ(careless.process(simulation.frame(kFrame)).verdict.state, State::Free);
+  Pipeline careless(config, wires.geometry, Rig());
+  EXPECT_EQ(careless.process(wires.frame).verdict.state, State::Free);
 }
 
 TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "support/calibrations.hpp"
+#include "support/parallel_wires.hpp"
 #include "support/pipeline_inputs.hpp"
 #include "support/wall_scene.hpp"
 
@@ -53,6 +54,15 @@ TEST(PipelineQuery, AQueryIsNeverFreeAfterAFrameThatTellsNothing) {
   pipeline.process(refused);
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kBadImage);
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Unknown);
+  pipeline.reset();
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
+}
+
+TEST(PipelineQuery, ResettingForgetsTheImagesToo) {
+  const ParallelWires wires;
+  Pipeline pipeline(Config(), wires.geometry, Rig());
+  pipeline.process(wires.frame);
+  ASSERT_TRUE(pipeline.query(ahead(1.0, 2.5)).reasons & kUnmatched);
   pipeline.reset();
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
 }
