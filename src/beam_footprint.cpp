@@ -12,6 +12,8 @@ constexpr double kSmallestForward = 0.5;    // cosine of the largest angle betwe
 constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a matching block holds one measurement anyway
 constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
+constexpr double kAround = 6.0;          // radii around a footprint in which its surface should be alone
+constexpr double kSameSurface_px = 1.0;
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -68,14 +70,15 @@ std::optional<FootprintReading> BeamFootprint::read(const cv::Mat& disparity_px,
   return std::nullopt;  // the pixel jumps between surfaces: none is where the beam would meet it
 }
 
-std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_px, const Footprint& footprint) {
+/// Refills scratch_ with the matches within a circle.  @return how many pixels it holds.
+int BeamFootprint::collect(const cv::Mat& disparity_px, const Footprint& circle) {
   scratch_.clear();
-  const Eigen::Vector2d& centre = footprint.centre_px;
-  const int v_first = std::max(0, static_cast<int>(std::ceil(centre.y() - footprint.radius_px)));
-  const int v_last = std::min(disparity_px.rows - 1, static_cast<int>(std::floor(centre.y() + footprint.radius_px)));
+  const Eigen::Vector2d& centre = circle.centre_px;
+  const int v_first = std::max(0, static_cast<int>(std::ceil(centre.y() - circle.radius_px)));
+  const int v_last = std::min(disparity_px.rows - 1, static_cast<int>(std::floor(centre.y() + circle.radius_px)));
   int pixels = 0;
   for (int v = v_first; v <= v_last; ++v) {
-    const double half = std::sqrt(std::max(0.0, std::pow(footprint.radius_px, 2) - std::pow(v - centre.y(), 2)));
+    const double half = std::sqrt(std::max(0.0, std::pow(circle.radius_px, 2) - std::pow(v - centre.y(), 2)));
     const int u_first = std::max(0, static_cast<int>(std::ceil(centre.x() - half)));
     const int u_last = std::min(disparity_px.cols - 1, static_cast<int>(std::floor(centre.x() + half)));
     for (int u = u_first; u <= u_last; ++u, ++pixels) {
@@ -83,6 +86,11 @@ std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_p
       if (d > 0.0f) scratch_.push_back(d);
     }
   }
+  return pixels;
+}
+
+std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_px, const Footprint& footprint) {
+  const int pixels = collect(disparity_px, footprint);
   if (scratch_.empty() || scratch_.size() < config_.min_valid_fraction * pixels) return std::nullopt;
 
   FootprintReading reading;
@@ -91,6 +99,10 @@ std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_p
   for (float& d : scratch_) d = std::abs(d - static_cast<float>(reading.disparity_px));
   reading.disparity_sigma_px = kGaussianMad * median(scratch_);
   reading.range_m = range(geometry_.depth(reading.disparity_px));
+  collect(disparity_px, {footprint.centre_px, kAround * footprint.radius_px});
+  const auto same = std::count_if(scratch_.begin(), scratch_.end(),
+                                  [&](float d) { return std::abs(d - reading.disparity_px) <= kSameSurface_px; });
+  reading.unity = static_cast<double>(same) / static_cast<double>(scratch_.size());
   return reading;
 }
 

@@ -10,6 +10,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
+constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 constexpr std::uint32_t kMapInDoubt =      // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity | kFrozenImage;
@@ -178,6 +179,7 @@ double Pipeline::stereoVariance(const FootprintReading& stereo) const {
 void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
   const bool has_lidar = std::isfinite(lidarRange(stamp_s)) && !lidar_.repeatsItself();
   if (!has_lidar || expected.disagreement || !std::isfinite(expected.range_m)) return;
+  if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo speak of different surfaces
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);
   const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;

@@ -68,6 +68,20 @@ TEST(BeamFootprint, TwoSurfacesWidenTheSpread) {
   EXPECT_GE(reading->disparity_sigma_px, beam.read(disparity, 3.0, 0.1)->disparity_sigma_px);
 }
 
+TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
+  cv::Mat disparity_px = wall(4.0);
+  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
+  const auto reading = beam.read(disparity_px, kNaN, 0.0);
+  ASSERT_TRUE(reading);
+  EXPECT_EQ(reading->unity, 1.0);
+  const int beside = static_cast<int>(reading->footprint.centre_px.x() + 2.0 * reading->footprint.radius_px);
+  disparity_px.colRange(beside, disparity_px.cols) *= 1.5f;
+  const auto with_other = beam.read(disparity_px, kNaN, 0.0);
+  ASSERT_TRUE(with_other);
+  EXPECT_EQ(with_other->disparity_px, reading->disparity_px);
+  EXPECT_LT(with_other->unity, 0.8);
+}
+
 TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
   Eigen::Isometry3d T_C_L = opticalFromForward();
   T_C_L.translation().x() = 1.0;  // metres to the right: the beam enters the view only far ahead

@@ -29,6 +29,7 @@ struct FootprintReading {
   double disparity_px = kNaN;        ///< Median over the footprint.
   double disparity_sigma_px = kNaN;  ///< Robust spread (1.4826 * median absolute deviation) over the footprint.
   double range_m = kNaN;             ///< Of that disparity, uncorrected, along the beam from the LiDAR's origin.
+  double unity = 0.0;                ///< Share of the matches within six radii that lie on the same surface [0..1].
   Footprint footprint{};
 };
 
@@ -59,6 +60,7 @@ class BeamFootprint {
   std::optional<FootprintReading> read(const cv::Mat& disparity_px, double range_guess_m, double beam_width_rad);
 
  private:
+  int collect(const cv::Mat& disparity_px, const Footprint& circle);
   std::optional<FootprintReading> readAt(const cv::Mat& disparity_px, const Footprint& footprint);
 
   LidarConfig config_;
