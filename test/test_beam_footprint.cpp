@@ -75,7 +75,7 @@ TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->unity, 1.0);
   const int beside = static_cast<int>(reading->footprint.centre_px.x() + 2.0 * reading->footprint.radius_px);
-  disparity_px.colRange(beside, disparity_px.cols) *= 1.5f;
+  disparity_px.colRange(beside, disparity_px.cols).setTo(kGeometry.disparity(3.0));
   const auto with_other = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(with_other);
   EXPECT_EQ(with_other->disparity_px, reading->disparity_px);
