@@ -47,11 +47,11 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
   std::future<void> counted =
       std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, T_M_C); });
-  const std::vector<FreeSpace::Families>& free = free_space_.find(depth_m, T_M_C);
+  static const std::vector<FreeSpace::Families> kNone;
+  const std::vector<FreeSpace::Families>& free = clears ? free_space_.find(depth_m, T_M_C) : kNone;
   counted.get();
   addHits(T_M_C.inverse().cast<float>());
   for (const FreeSpace::Families& families : free) {
-    if (!clears) break;
     for (const FreeSpace::Family& family : families) {
       addToChildren(family.key, family.depth, family.children, config_.log_odds_miss);
     }

@@ -259,7 +259,7 @@ void Pipeline::decide() {
 bool Pipeline::isUnmatched(const Box& box_C) const {
   if (depth_.matched_m.empty()) return false;
   const UnmatchedTexture unmatched(geometry_, pair_, disparity_, depth_.matched_m, nearestDepth());
-  return unmatched.share(box_C) > config_.corridor.max_unmatched_fraction;
+  return !(unmatched.share(box_C) <= config_.corridor.max_unmatched_fraction);
 }
 
 /// The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
@@ -323,6 +323,7 @@ void Pipeline::reset() {
   pair_ = StereoFrame();
   disparity_ = Disparity();
   depth_ = DepthImages();
+  cloud_.clear();
 }
 
 }  // namespace flight_corridor

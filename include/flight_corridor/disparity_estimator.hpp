@@ -37,8 +37,8 @@ struct Disparity {
   cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill between the matches, confident pixels only.
   cv::Mat confidence;             ///< CV_32FC1 [0..1]: of filtered_px.
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
-  cv::Mat texture;                ///< CV_32FC1: mean absolute gradient along the row, over the matcher's block.
-  double least_texture = 0.0;     ///< What texture exceeds noise.
+  cv::Mat texture;  ///< CV_32FC1: mean absolute gradient along the row, over the matcher's block [grey levels].
+  double least_texture = 0.0;  ///< Less may be noise [grey levels].
 };
 
 /// Dense disparity of a rectified pair: semi-global matching (Hirschmueller 2008) and weighted least squares

@@ -16,8 +16,8 @@ namespace flight_corridor {
 /// from one camera. Nets and fences do the same. A view of its arguments: they must live longer.
 class UnmatchedTexture {
  public:
-  /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches, NaN = none.
-  /// @param nearest_m nothing nearer was searched for.
+  /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches [m], NaN = none.
+  /// @param nearest_m nothing nearer was searched for [m].
   UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
                    const cv::Mat& matched_m, double nearest_m);
 
