@@ -245,25 +245,33 @@ void Pipeline::decide() {
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(is_unmatched_, kUnmatched);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  const bool hidden =
-      isCloudTooFar() ||
-      (verdict.reasons & (kBadImage | kFrozenImage | kNoDisparity | kUnobserved | kUnmatched | kRecentlyBlocked)) != 0;
-  verdict.state = blocked ? State::Blocked : hidden ? State::Unknown : State::Free;
-
   because(report_.range.disagreement, kDisagreement);
   because(std::isnan(report_.range_lidar_m) || lidar_.isSlow(verdict.stamp_s), kNoLidar);
   because(lidar_.isRejected(), kLidarRejected);
   because(std::isnan(report_.range.range_m), kNoRangeObserved);
+  verdict.state = state(verdict.reasons);
 }
 
-bool Pipeline::isUnmatched(const Box& box_C) const {
-  if (depth_.matched_m.empty()) return false;
-  const UnmatchedTexture unmatched(geometry_, pair_, disparity_, depth_.matched_m, nearestDepth());
-  return !(unmatched.share(box_C) <= config_.corridor.max_unmatched_fraction);
+State Pipeline::state(std::uint32_t reasons) const {
+  const State state = stateOf(reasons);
+  return state == State::Free && isCloudTooFar() ? State::Unknown : state;
 }
 
 /// The nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere.
 bool Pipeline::isCloudTooFar() const { return report_.range.disagreement && std::isfinite(report_.range_lidar_m); }
+
+UnmatchedTexture Pipeline::unmatchedTexture() const {
+  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth()};
+}
+
+bool Pipeline::isUnmatched(const Box& box_C) const {
+  return !depth_.matched_m.empty() && !(unmatchedTexture().share(box_C) <= config_.corridor.max_unmatched_fraction);
+}
+
+cv::Mat Pipeline::unmatched() const {
+  if (depth_.matched_m.empty()) return cv::Mat::zeros(geometry_.size(), CV_32FC1);
+  return unmatchedTexture().image(boxInCamera());
+}
 
 Verdict Pipeline::query(const Box& box) const {
   throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
@@ -280,7 +288,7 @@ Verdict Pipeline::query(const Box& box) const {
   if (!blocked && isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (isCloudTooFar()) verdict.reasons |= kDisagreement;
-  verdict.state = blocked ? State::Blocked : verdict.reasons != 0 ? State::Unknown : State::Free;
+  verdict.state = state(verdict.reasons);
   return verdict;
 }
 

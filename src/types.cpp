@@ -34,6 +34,12 @@ const char* toString(State state) {
   return "UNKNOWN";
 }
 
+State stateOf(std::uint32_t reasons) {
+  constexpr std::uint32_t kInformation = kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved;
+  if (reasons & (kOccupiedCell | kShortRange)) return State::Blocked;
+  return reasons & ~kInformation ? State::Unknown : State::Free;
+}
+
 std::string describeReasons(std::uint32_t reasons) {
   static const char* const kNames[] = {"OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",      "NO_DATA",
                                        "NO_POSE",          "BAD_IMAGE",    "BAD_CALIBRATION", "NO_DISPARITY",

@@ -28,6 +28,12 @@ double sumOver(const cv::Mat& integral, const cv::Rect& area) {
          integral.at<double>(area.br().y, area.x) + integral.at<double>(area.y, area.x);
 }
 
+cv::Rect hull(const std::vector<cv::Rect>& areas) {
+  cv::Rect hull;
+  for (const cv::Rect& area : areas) hull |= area;
+  return hull;
+}
+
 double farthestDepth(const Box& box_C) {
   double farthest_m = 0.0;
   for (int i = 0; i < 8; ++i) {
@@ -101,8 +107,7 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
 
 double UnmatchedTexture::share(const Box& box_C) const {
   const std::vector<cv::Rect> views = sections(box_C);
-  cv::Rect all;
-  for (const cv::Rect& view : views) all |= view;
+  const cv::Rect all = hull(views);
   if (all.empty()) return 0.0;
   cv::Mat texture_sum, unmatched_sum;
   cv::integral(disparity_.texture(all), texture_sum, CV_64F);
@@ -114,6 +119,13 @@ double UnmatchedTexture::share(const Box& box_C) const {
     if (texture > 0.0) largest = std::max(largest, sumOver(unmatched_sum, area) / texture);
   }
   return largest;
+}
+
+cv::Mat UnmatchedTexture::image(const Box& box_C) const {
+  cv::Mat image = cv::Mat::zeros(geometry_.size(), CV_32FC1);
+  const cv::Rect all = hull(sections(box_C));
+  if (!all.empty()) unmatched(all, farthestDepth(box_C)).copyTo(image(all));
+  return image;
 }
 
 /// Views of cross-sections, from the box's end inwards.

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "support/calibrations.hpp"
+#include "support/parallel_wires.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wall_scene.hpp"
 #include "tools/pictures.hpp"
@@ -30,6 +32,25 @@ TEST(ToolsPictures, AChangeOfVerdictIsDrawnWithItsEvidence) {
   const cv::Mat drawn = cv::imread(options.overlay_folder + "/000000_BLOCKED.png");
   EXPECT_EQ(drawn.size(), geometry.size() * 2);  // overlay and matched depth above, filled depth and map below
   EXPECT_FALSE(std::filesystem::exists(options.overlay_folder + "/000001_BLOCKED.png")) << "no change";
+}
+
+TEST(ToolsPictures, WhatMakesAFrameUnmatchedIsWhiteOnTheMatchedDepth) {
+  const test_support::TemporaryFolder folder;
+  const test_support::ParallelWires wires;
+  Pipeline pipeline(Config(), wires.geometry, Rig());
+  PictureOptions options;
+  options.overlay_folder = folder.path("overlays");
+  const Report& report = pipeline.process(wires.frame);
+  ASSERT_TRUE(report.verdict.reasons & kUnmatched);
+  Pictures(options).add(0, wires.frame.left, pipeline, report);
+  const cv::Mat drawn = cv::imread(options.overlay_folder + "/000000_UNKNOWN.png");
+  const cv::Size size = wires.geometry.size();
+  ASSERT_EQ(drawn.size(), size * 2);
+  cv::Mat white;
+  cv::inRange(drawn(cv::Rect(size.width, 0, size.width, size.height)), cv::Scalar::all(255), cv::Scalar::all(255),
+              white);
+  EXPECT_EQ(cv::countNonZero(white), cv::countNonZero(pipeline.unmatched()));
+  EXPECT_GT(cv::countNonZero(white), 100);
 }
 
 }  // namespace

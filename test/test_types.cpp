@@ -17,6 +17,18 @@ TEST(Types, ReasonsAreNamedInTheOrderOfTheirBits) {
   EXPECT_EQ(describeReasons(kUnmatched), "UNMATCHED");
 }
 
+TEST(Types, FreeIsWhatIsLeftWhenNoReasonForbidsIt) {
+  constexpr std::uint32_t kBlocks = kOccupiedCell | kShortRange;
+  constexpr std::uint32_t kHides = kUnobserved | kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity |
+                                   kRecentlyBlocked | kFrozenImage | kUnmatched;
+  for (std::uint32_t reasons = 0; reasons < 2 * kUnmatched; ++reasons) {
+    const State expected = reasons & kBlocks ? State::Blocked : reasons & kHides ? State::Unknown : State::Free;
+    ASSERT_EQ(stateOf(reasons), expected) << describeReasons(reasons);
+  }
+}
+
+TEST(Types, AReasonThatNobodyKnowsIsNotFree) { EXPECT_EQ(stateOf(2 * kUnmatched), State::Unknown); }
+
 TEST(Types, AFreshVerdictIsUnknown) {
   EXPECT_EQ(Verdict().state, State::Unknown);
   EXPECT_STREQ(toString(Verdict().state), "UNKNOWN");

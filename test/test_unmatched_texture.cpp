@@ -72,6 +72,19 @@ TEST(UnmatchedTexture, IsTheGapsShareOfTheViewWhereItIsLargest) {
   EXPECT_NEAR(share(wallWithGap(kMiddle, 12)), 12.0 / widthAtTheEnd(), 1e-6);
 }
 
+TEST(UnmatchedTexture, ItsImageShowsTheGapInTheViews) {
+  const StereoFrame pair = pairWithDisparity(kInTheBox_px);
+  const Disparity disparity = evenTexture(kClearTexture);
+  const cv::Mat depth_m = wallWithGap(kMiddle, 12);
+  const cv::Mat image = UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m).image(corridor());
+  const int row = kGeometry.size().height / 2;
+  ASSERT_EQ(image.size(), kGeometry.size());
+  EXPECT_EQ(cv::countNonZero(image.row(row) == kClearTexture), 12);
+  EXPECT_EQ(cv::countNonZero(image.row(row)), 12);
+  EXPECT_EQ(image.at<float>(row, kMiddle), kClearTexture);
+  EXPECT_EQ(cv::countNonZero(image.row(0)), 0) << "above the corridor";
+}
+
 TEST(UnmatchedTexture, WhatWouldNotFitInTheBoxIsNoSign) {
   const StereoFrame behind = pairWithDisparity(kBehindTheBox_px);
   EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), behind), 0.0);

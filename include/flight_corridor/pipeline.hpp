@@ -99,6 +99,9 @@ class Pipeline {
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
   const DepthImages& depth() const { return depth_; }
+  /// Texture in view of the corridor that has no match, but would fit no farther than its end; elsewhere 0. CV_32FC1
+  /// [grey], of the last pair; computed at each call.
+  cv::Mat unmatched() const;
   const OccupancyMap& map() const { return map_; }
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
   /// The corridor's box in the map's frame, and in C.
@@ -117,8 +120,10 @@ class Pipeline {
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
   void decide();
-  bool isUnmatched(const Box& box_C) const;
+  State state(std::uint32_t reasons) const;
   bool isCloudTooFar() const;
+  UnmatchedTexture unmatchedTexture() const;
+  bool isUnmatched(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

@@ -90,6 +90,10 @@ enum Reason : std::uint32_t {
   kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
 };
 
+/// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that
+/// takes knowing which sensor is the nearer one.
+State stateOf(std::uint32_t reasons);
+
 /// The reasons' names joined by '|', e.g. "OCCUPIED_CELL|SHORT_RANGE"; "" when none.
 std::string describeReasons(std::uint32_t reasons);
 

@@ -88,10 +88,12 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
   last_state_ = state;
 }
 
-/// What it takes to see why a frame got its verdict: verdict and box, evidence, evidence and fill, cells.
+/// What it takes to see why a frame got its verdict: verdict and box, evidence (white: texture that lacks a match),
+/// evidence and fill, cells.
 void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
   drawDepth(pipeline.depth().matched_m, ahead_m, matched_);
+  matched_.setTo(cv::Scalar::all(255), pipeline.unmatched() > 0.0);
   drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, overlay_.size(), map_);
   cv::Mat lower;
