@@ -13,7 +13,7 @@ constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a match
 constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
 constexpr double kAround = 6.0;          // radii around a footprint in which its surface should be alone
-constexpr double kSameSurface_px = 1.0;
+constexpr double kSameSurface_px = 0.3;  // three sigma of a match: far away a pixel is metres
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -1,11 +1,14 @@
 #include "flight_corridor/disparity_estimator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace flight_corridor {
 
@@ -31,6 +34,40 @@ std::optional<int> matcherMode(const std::string& name) {
 
 /// Even, so that images at half size keep their columns together.
 int evenAbove(int padding_px) { return std::max(0, padding_px + padding_px % 2); }
+
+/// How many pixels have each grey.
+class Histogram {
+ public:
+  explicit Histogram(const cv::Mat& image) : pixels_(static_cast<double>(image.total())) {
+    for (int v = 0; v < image.rows; ++v) {
+      const auto* row = image.ptr<std::uint8_t>(v);
+      for (int u = 0; u < image.cols; ++u) ++counts_[row[u]];
+    }
+  }
+
+  double shareOf(std::uint8_t grey) const { return counts_[grey] / pixels_; }
+
+  /// Mean and standard deviation of the pixels from one rank to another: shares of them all, in the order of their
+  /// greys. 0 where there are none.
+  std::pair<double, double> moments(double first, double last) const {
+    double below = 0.0, n = 0.0, sum = 0.0, squares = 0.0;
+    for (int grey = 0; grey < 256; ++grey) {
+      const double above = below + counts_[static_cast<std::size_t>(grey)] / pixels_;
+      const double share = std::max(0.0, std::min(above, last) - std::max(below, first));
+      n += share;
+      sum += share * grey;
+      squares += share * grey * grey;
+      below = above;
+    }
+    if (!(n > 0.0)) return {0.0, 0.0};
+    const double mean = sum / n;
+    return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
+  }
+
+ private:
+  std::array<int, 256> counts_ = {};
+  double pixels_;
+};
 
 cv::Ptr<cv::StereoSGBM> makeMatcher(const StereoConfig& config, int min_disparity_px, int num_disparities_px) {
   const int area = config.block_size_px * config.block_size_px;
@@ -106,14 +143,17 @@ void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   fill(out);
 }
 
-/// The right image with the left one's mean and contrast: cameras that expose by themselves differ.
+/// The right image with the left one's mean and contrast, of what neither camera clips: cameras that expose by
+/// themselves differ, a white sky does not.
 void DisparityEstimator::balance(const StereoFrame& frame) {
-  cv::Scalar left_mean, left_contrast, right_mean, right_contrast;
-  cv::meanStdDev(frame.left, left_mean, left_contrast);
-  cv::meanStdDev(frame.right, right_mean, right_contrast);
-  const double ratio = left_contrast[0] / right_contrast[0];
+  const Histogram left(frame.left), right(frame.right);
+  const double darkest = std::max(left.shareOf(0), right.shareOf(0));
+  const double brightest = 1.0 - std::max(left.shareOf(255), right.shareOf(255));
+  const auto [left_mean, left_contrast] = left.moments(darkest, brightest);
+  const auto [right_mean, right_contrast] = right.moments(darkest, brightest);
+  const double ratio = left_contrast / right_contrast;
   const double gain = 1.0 / kLargestGain <= ratio && ratio <= kLargestGain ? ratio : 1.0;  // 1 for NaN
-  frame.right.convertTo(balanced_right_, CV_8U, gain, left_mean[0] - gain * right_mean[0]);
+  frame.right.convertTo(balanced_right_, CV_8U, gain, left_mean - gain * right_mean);
 }
 
 void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {

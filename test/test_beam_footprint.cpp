@@ -82,6 +82,19 @@ TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
   EXPECT_LT(with_other->unity, 0.8);
 }
 
+TEST(BeamFootprint, SurfacesThatAreMetresApartFarAwayAreTwo) {
+  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
+  cv::Mat disparity_px = wall(12.0);
+  const auto reading = beam.read(disparity_px, kNaN, 0.0);
+  ASSERT_TRUE(reading);
+  const int beside = static_cast<int>(reading->footprint.centre_px.x() + 2.0 * reading->footprint.radius_px);
+  ASSERT_LT(kGeometry.disparity(10.0) - kGeometry.disparity(12.0), 1.0);
+  disparity_px.colRange(beside, disparity_px.cols).setTo(kGeometry.disparity(10.0));
+  const auto with_other = beam.read(disparity_px, kNaN, 0.0);
+  ASSERT_TRUE(with_other);
+  EXPECT_LT(with_other->unity, 0.8);
+}
+
 TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
   Eigen::Isometry3d T_C_L = opticalFromForward();
   T_C_L.translation().x() = 1.0;  // metres to the right: the beam enters the view only far ahead
