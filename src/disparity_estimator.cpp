@@ -17,6 +17,8 @@ namespace {
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
 constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
 constexpr double kLargestGain = 4.0;      // between the cameras; more is no exposure, but a covered lens
+constexpr double kFewest = 0.01;          // share of pixels that have a mean
+constexpr double kSameSky = 0.5;          // least ratio of what two cameras clip where they see the same
 constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
 constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
 constexpr int kSupport_px = 31;           // matches so far around support a fill
@@ -48,7 +50,7 @@ class Histogram {
   double shareOf(std::uint8_t grey) const { return counts_[grey] / pixels_; }
 
   /// Mean and standard deviation of the pixels from one rank to another: shares of them all, in the order of their
-  /// greys. 0 where there are none.
+  /// greys. 0 where there are too few.
   std::pair<double, double> moments(double first, double last) const {
     double below = 0.0, n = 0.0, sum = 0.0, squares = 0.0;
     for (int grey = 0; grey < 256; ++grey) {
@@ -59,7 +61,7 @@ class Histogram {
       squares += share * grey * grey;
       below = above;
     }
-    if (!(n > 0.0)) return {0.0, 0.0};
+    if (!(n >= kFewest)) return {0.0, 0.0};
     const double mean = sum / n;
     return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
   }
@@ -143,8 +145,8 @@ void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   fill(out);
 }
 
-/// The right image with the left one's mean and contrast, of what neither camera clips: cameras that expose by
-/// themselves differ, a white sky does not.
+/// The right image with the left one's mean and contrast, of the ranks that neither camera clips: cameras that expose
+/// by themselves differ. What is white in both, as the sky, stays white.
 void DisparityEstimator::balance(const StereoFrame& frame) {
   const Histogram left(frame.left), right(frame.right);
   const double darkest = std::max(left.shareOf(0), right.shareOf(0));
@@ -154,6 +156,7 @@ void DisparityEstimator::balance(const StereoFrame& frame) {
   const double ratio = left_contrast / right_contrast;
   const double gain = 1.0 / kLargestGain <= ratio && ratio <= kLargestGain ? ratio : 1.0;  // 1 for NaN
   frame.right.convertTo(balanced_right_, CV_8U, gain, left_mean - gain * right_mean);
+  if (left.shareOf(255) >= kSameSky * right.shareOf(255)) balanced_right_.setTo(255, frame.right == 255);
 }
 
 void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {

@@ -82,6 +82,36 @@ TEST(DisparityEstimator, AWhiteSkyHidesNoDifferenceOfExposure) {
   }
 }
 
+/// A level branch with little texture in the upper half; the lower half is ground. Both have the same disparity.
+StereoFrame branchBeforeWhiteSky(const StereoGeometry& geometry, int disparity_px, const cv::Range& branch) {
+  StereoFrame frame = wallFrame(geometry, disparity_px, 0.0);
+  for (cv::Mat* image : {&frame.left, &frame.right}) {
+    image->convertTo(*image, -1, 0.4, 20.0);
+    image->rowRange(branch).convertTo(image->rowRange(branch), -1, 0.25, 20.0);
+    image->rowRange(0, branch.start).setTo(255);
+    image->rowRange(branch.end, image->rows / 2).setTo(255);
+  }
+  return frame;
+}
+
+TEST(DisparityEstimator, ALevelBranchBeforeAWhiteSkyIsSeenAsWellWhateverTheExposures) {
+  const StereoGeometry geometry(smallCalibration());
+  DisparityEstimator estimator(StereoConfig(), geometry);
+  Disparity disparity;
+  const cv::Range branch(60, 63);
+  const auto share_seen = [&](double gain) {
+    StereoFrame frame = branchBeforeWhiteSky(geometry, 12, branch);
+    const cv::Mat sky = frame.right == 255;
+    frame.right.convertTo(frame.right, -1, gain);
+    frame.right.setTo(255, sky);
+    estimator.estimate(frame, disparity);
+    return shareRight(disparity.matched_px.rowRange(branch), 12.0);
+  };
+  const double equal = share_seen(1.0);
+  EXPECT_GT(equal, 0.5);
+  for (const double gain : {0.7, 1.03, 1.5}) EXPECT_NEAR(share_seen(gain), equal, 0.02) << gain;
+}
+
 TEST(DisparityEstimator, ACoveredLensGivesNoDisparity) {
   const StereoGeometry geometry(smallCalibration());
   DisparityEstimator estimator(StereoConfig(), geometry);

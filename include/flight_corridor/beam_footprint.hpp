@@ -29,7 +29,7 @@ struct FootprintReading {
   double disparity_px = kNaN;        ///< Median over the footprint.
   double disparity_sigma_px = kNaN;  ///< Robust spread (1.4826 * median absolute deviation) over the footprint.
   double range_m = kNaN;             ///< Of that disparity, uncorrected, along the beam from the LiDAR's origin.
-  double unity = 0.0;                ///< Share of the matches within six radii that lie on the same surface [0..1].
+  double unity = 0.0;                ///< Share of the matches within six radii that differ by 0.3 px or less [0..1].
   Footprint footprint{};
 };
 

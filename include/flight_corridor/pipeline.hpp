@@ -99,8 +99,8 @@ class Pipeline {
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
   const DepthImages& depth() const { return depth_; }
-  /// Texture in view of the corridor that has no match, but would fit no farther than its end; elsewhere 0. CV_32FC1
-  /// [grey], of the last pair; computed at each call.
+  /// Clear texture around the corridor that has no match, is not hidden from the right camera and would fit no farther
+  /// than the corridor's end; elsewhere 0. CV_32FC1 [grey], of the last pair; computed at each call.
   cv::Mat unmatched() const;
   const OccupancyMap& map() const { return map_; }
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }

@@ -25,7 +25,7 @@ class UnmatchedTexture {
   /// @param box_C the box in C.
   double share(const Box& box_C) const;
 
-  /// It alone, in those views; elsewhere 0.  @return CV_32FC1 [grey], the images' size.
+  /// It alone, in the rectangle around those views; elsewhere 0.  @return CV_32FC1 [grey], the images' size.
   cv::Mat image(const Box& box_C) const;
 
  private:

@@ -11,11 +11,11 @@ namespace flight_corridor::tools {
 
 /// What to draw of each processed frame; "" = not.
 struct PictureOptions {
-  std::string
-      overlay_folder;        ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth, filled depth, map.
-  int overlay_every = 0;     ///< ... and at every so many frames; 0: changes only.
-  std::string depth_folder;  ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
-  std::string video;         ///< AVI (motion JPEG): overlay, depth, and the map from above.
+  std::string overlay_folder;  ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth (white: texture
+                               ///< that lacks a match), filled depth, map.
+  int overlay_every = 0;       ///< ... and at every so many frames; 0: changes only.
+  std::string depth_folder;    ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
+  std::string video;           ///< AVI (motion JPEG): overlay, depth, and the map from above.
   double video_rate_hz = 10.0;
 };
 
