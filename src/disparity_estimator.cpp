@@ -1,14 +1,14 @@
 #include "flight_corridor/disparity_estimator.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
-#include <utility>
+
+#include "flight_corridor/exposure.hpp"
 
 namespace flight_corridor {
 
@@ -16,9 +16,6 @@ namespace {
 
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
 constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
-constexpr double kLargestGain = 4.0;      // between the cameras; more is no exposure, but a covered lens
-constexpr double kFewest = 0.01;          // share of pixels that have a mean
-constexpr double kSameSky = 0.5;          // least ratio of what two cameras clip where they see the same
 constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
 constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
 constexpr int kSupport_px = 31;           // matches so far around support a fill
@@ -36,40 +33,6 @@ std::optional<int> matcherMode(const std::string& name) {
 
 /// Even, so that images at half size keep their columns together.
 int evenAbove(int padding_px) { return std::max(0, padding_px + padding_px % 2); }
-
-/// How many pixels have each grey.
-class Histogram {
- public:
-  explicit Histogram(const cv::Mat& image) : pixels_(static_cast<double>(image.total())) {
-    for (int v = 0; v < image.rows; ++v) {
-      const auto* row = image.ptr<std::uint8_t>(v);
-      for (int u = 0; u < image.cols; ++u) ++counts_[row[u]];
-    }
-  }
-
-  double shareOf(std::uint8_t grey) const { return counts_[grey] / pixels_; }
-
-  /// Mean and standard deviation of the pixels from one rank to another: shares of them all, in the order of their
-  /// greys. 0 where there are too few.
-  std::pair<double, double> moments(double first, double last) const {
-    double below = 0.0, n = 0.0, sum = 0.0, squares = 0.0;
-    for (int grey = 0; grey < 256; ++grey) {
-      const double above = below + counts_[static_cast<std::size_t>(grey)] / pixels_;
-      const double share = std::max(0.0, std::min(above, last) - std::max(below, first));
-      n += share;
-      sum += share * grey;
-      squares += share * grey * grey;
-      below = above;
-    }
-    if (!(n >= kFewest)) return {0.0, 0.0};
-    const double mean = sum / n;
-    return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
-  }
-
- private:
-  std::array<int, 256> counts_ = {};
-  double pixels_;
-};
 
 cv::Ptr<cv::StereoSGBM> makeMatcher(const StereoConfig& config, int min_disparity_px, int num_disparities_px) {
   const int area = config.block_size_px * config.block_size_px;
@@ -138,25 +101,11 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
 }
 
 void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
-  balance(frame);
+  balanceExposure(frame.left, frame.right, balanced_right_);
   pad(frame.left, left_padded_);
   pad(balanced_right_, right_padded_);
   match(frame.left, out);
   fill(out);
-}
-
-/// The right image with the left one's mean and contrast, of the ranks that neither camera clips: cameras that expose
-/// by themselves differ. What is white in both, as the sky, stays white.
-void DisparityEstimator::balance(const StereoFrame& frame) {
-  const Histogram left(frame.left), right(frame.right);
-  const double darkest = std::max(left.shareOf(0), right.shareOf(0));
-  const double brightest = 1.0 - std::max(left.shareOf(255), right.shareOf(255));
-  const auto [left_mean, left_contrast] = left.moments(darkest, brightest);
-  const auto [right_mean, right_contrast] = right.moments(darkest, brightest);
-  const double ratio = left_contrast / right_contrast;
-  const double gain = 1.0 / kLargestGain <= ratio && ratio <= kLargestGain ? ratio : 1.0;  // 1 for NaN
-  frame.right.convertTo(balanced_right_, CV_8U, gain, left_mean - gain * right_mean);
-  if (left.shareOf(255) >= kSameSky * right.shareOf(255)) balanced_right_.setTo(255, frame.right == 255);
 }
 
 void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {

@@ -59,7 +59,6 @@ class DisparityEstimator {
   double nearestDepth() const;
 
  private:
-  void balance(const StereoFrame& frame);
   void pad(const cv::Mat& image, cv::Mat& padded) const;
   void match(const cv::Mat& left, Disparity& out);
   double leastTexture(const cv::Mat& image) const;
