@@ -10,8 +10,10 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kHalfWidth_px = 15, kHalfHeight_px = 1;  // of the window
-constexpr int kWindow_px = (2 * kHalfWidth_px + 1) * (2 * kHalfHeight_px + 1);
+constexpr int kReach_px = 20;  // of the window along the edge, from its middle
+constexpr int kWindow_px = 2 * kReach_px + 1;
+constexpr int kBeside_px = 1;           // rows above and below in which an edge shows
+constexpr int kNoStep = 128;            // of the images of steps
 constexpr double kSmallestStep = 10.0;  // mean vertical step [grey/px] that is an edge
 constexpr double kLevel = 2.0;          // an edge is level when steps across it are so many times those along it
 constexpr int kNeighbours_px = 4;       // disparities beside the best one that cost nearly the same
@@ -39,24 +41,25 @@ LevelMatcher::LevelMatcher(int min_disparity_px, int num_disparities_px)
 
 void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
   static const cv::Mat kStep = (cv::Mat_<float>(3, 1) << -0.5f, 0.0f, 0.5f);
-  cv::filter2D(left, left_steps_, CV_8U, kStep, {-1, -1}, 128.0);
-  cv::filter2D(right, right_steps_, CV_8U, kStep, {-1, -1}, 128.0);
+  cv::filter2D(left, left_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
+  cv::filter2D(right, right_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
   findLevelEdges(left);
   found_px_.create(left.size(), CV_32FC1);
   found_px_.setTo(kNothing);
-  for (int v = kHalfHeight_px; v < left.rows - kHalfHeight_px; ++v) {
+  for (int v = kBeside_px; v < left.rows - kBeside_px; ++v) {
     const auto* across = across_.ptr<float>(v);
     const auto* along = along_.ptr<float>(v);
-    const auto is_level_edge = [&](int u) { return across[u] >= kSmallestStep && across[u] >= kLevel * along[u]; };
-    for (int u = kHalfWidth_px; u < left.cols - kHalfWidth_px; ++u) {
-      if (!is_level_edge(u)) continue;
-      const int first_u = u;
-      while (u < left.cols - kHalfWidth_px && is_level_edge(u)) ++u;
-      matchRun(v, first_u, u - 1, disparity_px.ptr<float>(v));
+    const auto* matched_px = disparity_px.ptr<float>(v);
+    auto* found_px = found_px_.ptr<float>(v);
+    for (int u = kReach_px; u < left.cols - kReach_px; ++u) {
+      if (across[u] >= kSmallestStep && across[u] >= kLevel * along[u]) {
+        found_px[u] = disparityAt(u, v, matched_px[u]);
+      }
     }
+    dropShortRuns(found_px, left.cols);
   }
-  // What was found holds for all rows of the window: a thin thing has hardly more.
-  static const cv::Mat kRows = cv::getStructuringElement(cv::MORPH_RECT, {1, 2 * kHalfHeight_px + 1});
+  // What was found holds for the rows beside it, too: a thin thing has hardly more.
+  static const cv::Mat kRows = cv::getStructuringElement(cv::MORPH_RECT, {1, 2 * kBeside_px + 1});
   cv::dilate(found_px_, nearest_px_, kRows);
   for (int v = 0; v < left.rows; ++v) {
     const auto* nearest_px = nearest_px_.ptr<float>(v);
@@ -69,49 +72,55 @@ void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& dis
 
 /// Mean steps across and along the row, over the window.
 void LevelMatcher::findLevelEdges(const cv::Mat& left) {
-  cv::absdiff(left_steps_, cv::Scalar(128), vertical_);
+  cv::absdiff(left_steps_, cv::Scalar(kNoStep), vertical_);
   cv::Sobel(left, horizontal_, CV_16S, 1, 0, 1, 0.5);
-  cv::convertScaleAbs(horizontal_, horizontal_);
-  const cv::Size window(2 * kHalfWidth_px + 1, 2 * kHalfHeight_px + 1);
+  const cv::Size window(kWindow_px, 2 * kBeside_px + 1);
   cv::boxFilter(vertical_, across_, CV_32F, window);
-  cv::boxFilter(horizontal_, along_, CV_32F, window);
+  cv::boxFilter(cv::abs(horizontal_), along_, CV_32F, window);
 }
 
-/// Costs of all disparities for a run of pixels of one row; sums slide along the row.
-void LevelMatcher::matchRun(int v, int first_u, int last_u, const float* matched_px) {
-  const int count = last_u - first_u + 1, n = num_disparities_px_;
-  costs_.assign(static_cast<std::size_t>(count) * n, UINT32_MAX);
-  for (int i = 0; i < n; ++i) {
-    const int d = min_disparity_px_ + i;
-    const int first_column = std::max(first_u - kHalfWidth_px, std::max(d, 0));
-    const int last_column = std::min(last_u + kHalfWidth_px, left_steps_.cols - 1 + std::min(d, 0));
-    const int columns = last_column - first_column + 1;
-    if (columns <= 2 * kHalfWidth_px) continue;
-    column_.assign(static_cast<std::size_t>(columns), 0);
-    for (int row = v - kHalfHeight_px; row <= v + kHalfHeight_px; ++row) {
-      const auto* l = left_steps_.ptr<std::uint8_t>(row) + first_column;
-      const auto* r = right_steps_.ptr<std::uint8_t>(row) + first_column - d;
-      for (int k = 0; k < columns; ++k) column_[k] = static_cast<std::uint16_t>(column_[k] + std::abs(l[k] - r[k]));
-    }
-    std::uint32_t sum = 0;
-    for (int k = 0; k < columns; ++k) {
-      sum += column_[k];
-      if (k > 2 * kHalfWidth_px) sum -= column_[k - 2 * kHalfWidth_px - 1];
-      const int u = first_column + k - kHalfWidth_px;
-      if (k >= 2 * kHalfWidth_px) costs_[static_cast<std::size_t>(u - first_u) * n + i] = sum;
+/// The disparity of a pixel of a level edge; kNothing: none is clearly best. Its window is one row high and follows the
+/// edge: in the middle of a thin thing it holds nothing of what is behind.
+float LevelMatcher::disparityAt(int u, int v, float matched_px) {
+  const int first_px = std::max(min_disparity_px_, u + kReach_px - (left_steps_.cols - 1));
+  const int last_px = std::min(min_disparity_px_ + num_disparities_px_ - 1, u - kReach_px);
+  costs_.assign(num_disparities_px_, UINT16_MAX);
+  if (last_px < first_px) return kNothing;
+  std::uint16_t* costs = costs_.data() + (first_px - min_disparity_px_);
+  const int count = last_px - first_px + 1;
+  std::fill_n(costs, count, std::uint16_t{0});
+  const double slope = slopeAt(u, v);
+  int edge = 0;
+  for (int k = -kReach_px; k <= kReach_px; ++k) {
+    const int row = std::clamp(v + static_cast<int>(std::lround(slope * k)), 0, left_steps_.rows - 1);
+    const int step = left_steps_.at<std::uint8_t>(row, u + k);
+    const auto* there = right_steps_.ptr<std::uint8_t>(row) + u + k - first_px;
+    edge += std::abs(step - kNoStep);
+    for (int i = 0; i < count; ++i) costs[i] = static_cast<std::uint16_t>(costs[i] + std::abs(step - there[-i]));
+  }
+  return best(matched_px, edge);
+}
+
+/// Rows per column along which grey values vary least, around a pixel (structure tensor; Foerstner and Guelch 1987).
+double LevelMatcher::slopeAt(int u, int v) const {
+  double xy = 0.0, yy = 0.0;
+  for (int row = v - kBeside_px; row <= v + kBeside_px; ++row) {
+    const auto* vertical = left_steps_.ptr<std::uint8_t>(row);
+    const auto* horizontal = horizontal_.ptr<std::int16_t>(row);
+    for (int column = u - kReach_px; column <= u + kReach_px; ++column) {
+      const int y = vertical[column] - kNoStep;
+      xy += y * horizontal[column];
+      yy += y * y;
     }
   }
-  for (int u = first_u; u <= last_u; ++u) {
-    const auto edge = static_cast<std::uint32_t>(across_.at<float>(v, u) * kWindow_px);
-    found_px_.at<float>(v, u) = best(&costs_[static_cast<std::size_t>(u - first_u) * n], matched_px[u], edge);
-  }
-  dropShortRuns(found_px_.ptr<float>(v) + first_u, count);
+  return -xy / yy;
 }
 
 /// The disparity that fits clearly best and is nearer than the one matched before; kNothing: none.
-float LevelMatcher::best(const std::uint32_t* costs, float matched_px, std::uint32_t edge) const {
+float LevelMatcher::best(float matched_px, int edge) const {
+  const std::vector<std::uint16_t>& costs = costs_;
   const int last = num_disparities_px_ - 1;
-  const int at = static_cast<int>(std::min_element(costs, costs + last + 1) - costs);
+  const int at = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   if (at == 0 || at == last || !(costs[at] <= kResidual * edge)) return kNothing;
   // Between two whole disparities a cost is as low as the V through it and its neighbours says.
   const auto lowest = [&](int i) {

@@ -17,11 +17,13 @@ constexpr double kBackground_px = 4.0, kBranch_px = 11.0;
 struct Pair {
   cv::Mat left, right, is_branch;
 
-  explicit Pair(double slope) {
+  /// @param blotch_px size of the wall's grain.
+  explicit Pair(double slope, double blotch_px = 2.0) {
     cv::Mat texture(100, 260, CV_32FC1);
     cv::RNG random(7);
     random.fill(texture, cv::RNG::UNIFORM, 60, 256);
-    cv::GaussianBlur(texture, texture, {0, 0}, 2.0);
+    cv::GaussianBlur(texture, texture, {0, 0}, blotch_px);
+    cv::normalize(texture, texture, 60.0, 256.0, cv::NORM_MINMAX);
     left = seen(texture, slope, 0.0, 0.0, 1.0, random);
     right = seen(texture, slope, kBackground_px, kBranch_px, 1.1, random);
     is_branch = cv::Mat::zeros(left.size(), CV_8U);
@@ -60,7 +62,15 @@ TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
 }
 
-TEST(LevelMatcher, FindsItOnAllThreeRowsOfItsWindow) {
+TEST(LevelMatcher, FindsOneThatIsAllButLevelAsTheMiddleOfAThinThingHoldsNothingOfItsBackground) {
+  const Pair pair(0.035, 3.0);
+  cv::Mat disparity_px = background(pair);
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
+  EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+}
+
+TEST(LevelMatcher, FindsItOnTheRowsBesideItsMiddleToo) {
   const Pair pair(0.08);
   cv::Mat disparity_px = background(pair), three_rows;
   cv::dilate(pair.is_branch, three_rows, cv::getStructuringElement(cv::MORPH_RECT, {1, 3}));
@@ -71,7 +81,7 @@ TEST(LevelMatcher, FindsItOnAllThreeRowsOfItsWindow) {
 TEST(LevelMatcher, TakesAFewPixelsThatAgreeForChance) {
   const Pair pair(0.08);
   const auto found = [&](int candidates) {  // in a strip that leaves the window so many places in a row
-    const cv::Range strip(100, 130 + candidates);
+    const cv::Range strip(100, 140 + candidates);
     cv::Mat disparity_px(pair.left.rows, strip.size(), CV_32FC1, cv::Scalar(kBackground_px));
     const cv::Mat before = disparity_px.clone();
     LevelMatcher(-2, 16).match(pair.left.colRange(strip), pair.right.colRange(strip), disparity_px);

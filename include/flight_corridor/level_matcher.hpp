@@ -7,7 +7,7 @@
 namespace flight_corridor {
 
 /// Finds thin level things (branches, wires) that a matcher with square blocks and smoothing gives to their background.
-/// Along a level edge grey values hardly vary, so only a long window along the row tells one disparity from another; it
+/// Along a level edge grey values hardly vary, so only a long window along the edge tells one disparity from another; it
 /// compares vertical gradients, which do not depend on the exposures' difference.
 class LevelMatcher {
  public:
@@ -21,14 +21,14 @@ class LevelMatcher {
 
  private:
   void findLevelEdges(const cv::Mat& left);
-  void matchRun(int v, int first_u, int last_u, const float* matched_px);
-  float best(const std::uint32_t* costs, float matched_px, std::uint32_t edge) const;
+  float disparityAt(int u, int v, float matched_px);
+  double slopeAt(int u, int v) const;
+  float best(float matched_px, int edge) const;
 
   int min_disparity_px_, num_disparities_px_;
   cv::Mat left_steps_, right_steps_, across_, along_, vertical_, horizontal_;
   cv::Mat found_px_, nearest_px_;
-  std::vector<std::uint16_t> column_;  // sums of a window's column, for one disparity
-  std::vector<std::uint32_t> costs_;   // of a run of pixels: disparities of the first pixel, of the second, ...
+  std::vector<std::uint16_t> costs_;  // of one pixel, by disparity
 };
 
 }  // namespace flight_corridor
