@@ -122,6 +122,7 @@ void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   out.least_texture = leastTexture(left);
   cv::compare(out.texture, out.least_texture, keep_, cv::CMP_GE);
   toPixels(left_fixed_(image_area_), keep_, out.matched_px);
+  island_filter_.filter(left, balanced_right_, out.matched_px);
   level_matcher_.match(left, balanced_right_, out.matched_px);
   refiner_.refine(left, balanced_right_, out.matched_px);
   removeDifference(out.matched_px);

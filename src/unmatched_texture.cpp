@@ -6,22 +6,18 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "flight_corridor/window_matcher.hpp"
+
 namespace flight_corridor {
 
 namespace {
 
 constexpr double kClear = 5.0;             // by how much clear texture exceeds what can be told from noise
-constexpr int kAround_px = 32;             // so far beside a gap its background is looked for
+constexpr int kAround_px = 32;             // so far beside a gap, or a pixel of it, surfaces are looked for
 constexpr double kSlack_px = 4.0;          // matching moves the edges of a gap
 constexpr double kScale = 0.9;             // smallest factor that the depth's scale may be wrong by
 constexpr double kNearestSection_m = 0.6;  // along the box; nearer ones see nearly all of the image
 constexpr double kSectionRatio = 0.85;     // of the distances of two neighbours
-constexpr int kReach_px = 2;               // of the window that is compared, from its centre
-constexpr float kCorrelation = 0.85f;      // of windows that fit
-constexpr float kLeastContrast = 1.0f;     // [grey] of a window, to be divided by
-
-constexpr int kWindow_px = 2 * kReach_px + 1;
-constexpr int kWindowArea_px = kWindow_px * kWindow_px;
 
 double sumOver(const cv::Mat& integral, const cv::Rect& area) {
   return integral.at<double>(area.br().y, area.br().x) - integral.at<double>(area.y, area.br().x) -
@@ -44,62 +40,6 @@ double farthestDepth(const Box& box_C) {
 }
 
 }  // namespace
-
-/// Whether a window of the left image fits on one of the right image's, within a range of disparities, by normalised
-/// cross-correlation: whatever the exposures.
-class UnmatchedTexture::Matcher {
- public:
-  /// @param rows that are asked about.  @param first_px, last_px disparities, principal-point difference included.
-  Matcher(const StereoFrame& pair, cv::Range rows, int first_px, int last_px)
-      : first_row_(std::max(rows.start - kReach_px, 0)), first_px_(first_px), last_px_(last_px) {
-    rows = {first_row_, std::min(rows.end + kReach_px, pair.left.rows)};
-    left_ = pair.left.rowRange(rows);
-    pair.right.rowRange(rows).convertTo(right_, CV_32F);
-    cv::Mat mean, mean_of_squares;
-    cv::boxFilter(right_, mean, CV_32F, {kWindow_px, kWindow_px});
-    cv::sqrBoxFilter(right_, mean_of_squares, CV_32F, {kWindow_px, kWindow_px});
-    cv::sqrt(cv::max(mean_of_squares - mean.mul(mean), kLeastContrast * kLeastContrast), contrast_);
-  }
-
-  /// @param covariance scratch.
-  bool fits(int u, int v, std::vector<float>& covariance) const {
-    v -= first_row_;
-    if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return false;
-    const int first = std::max(u - last_px_, kReach_px), last = std::min(u - first_px_, right_.cols - 1 - kReach_px);
-    if (last < first) return false;
-    float window[kWindowArea_px];
-    const float contrast = centredWindow(u, v, window);
-    covariance.assign(last - first + 1, 0.0f);
-    for (int i = 0; i < kWindowArea_px; ++i) {
-      const float* right = right_.ptr<float>(v + i / kWindow_px - kReach_px) + first + i % kWindow_px - kReach_px;
-      for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += window[i] * right[k];
-    }
-    const float* contrasts = contrast_.ptr<float>(v) + first;
-    const float least = kCorrelation * kWindowArea_px * std::max(contrast, kLeastContrast);
-    for (std::size_t k = 0; k < covariance.size(); ++k) {
-      if (covariance[k] >= least * contrasts[k]) return true;
-    }
-    return false;
-  }
-
- private:
-  /// @return its standard deviation.
-  float centredWindow(int u, int v, float* window) const {
-    float sum = 0.0f, squares = 0.0f;
-    for (int i = 0; i < kWindowArea_px; ++i) {
-      window[i] = left_.at<std::uint8_t>(v + i / kWindow_px - kReach_px, u + i % kWindow_px - kReach_px);
-      sum += window[i];
-    }
-    for (int i = 0; i < kWindowArea_px; ++i) {
-      window[i] -= sum / kWindowArea_px;
-      squares += window[i] * window[i];
-    }
-    return std::sqrt(squares / kWindowArea_px);
-  }
-
-  cv::Mat left_, right_, contrast_;
-  int first_row_, first_px_, last_px_;
-};
 
 UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
                                    const cv::Mat& matched_m, double nearest_m)
@@ -164,21 +104,27 @@ cv::Rect UnmatchedTexture::view(const Box& box_C, double x_m) const {
 
 /// Texture of an area where it is unmatched, elsewhere 0.
 cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, double farthest_m) const {
-  const auto matcherDisparity = [&](double disparity_px) {
-    const double largest_px = matched_m_.cols;
-    return static_cast<int>(std::floor(std::min(disparity_px, largest_px) + geometry_.principalPointDifference()));
-  };
-  const Matcher matcher(pair_, {area.y, area.br().y}, matcherDisparity(kScale * geometry_.disparity(farthest_m)),
-                        matcherDisparity(geometry_.disparity(nearest_m_)));
+  const WindowMatcher matcher(pair_.left, pair_.right, {area.y, area.br().y});
+  const int farthest_px = matcherDisparity(kScale * geometry_.disparity(farthest_m));
+  const int nearest_px = matcherDisparity(geometry_.disparity(nearest_m_));
   cv::Mat unmatched = cv::Mat::zeros(area.size(), CV_32FC1);
   cv::parallel_for_({area.y, area.br().y}, [&](const cv::Range& rows) {
     std::vector<float> scratch;
     for (int v = rows.start; v < rows.end; ++v) {
       const auto* texture = disparity_.texture.ptr<float>(v);
       auto* out = unmatched.ptr<float>(v - area.y);
+      const auto fitsBehind = [&](int u) {
+        const std::array<float, 4> around_m = depthsAround(u, v);
+        return std::any_of(around_m.begin(), around_m.end(), [&](float depth_m) {
+          if (!(depth_m * kScale > farthest_m)) return false;
+          const int surface_px = matcherDisparity(geometry_.disparity(depth_m));
+          return matcher.fits(u, v, surface_px, surface_px + 1, scratch);
+        });
+      };
       forEachGap(v, [&](int first, int end) {
         for (int u = std::max(first, area.x); u < std::min(end, area.br().x); ++u) {
-          if (texture[u] >= kClear * disparity_.least_texture && matcher.fits(u, v, scratch)) {
+          const bool is_clear = texture[u] >= kClear * disparity_.least_texture;
+          if (is_clear && matcher.fits(u, v, farthest_px, nearest_px, scratch) && !fitsBehind(u)) {
             out[u - area.x] = texture[u];
           }
         }
@@ -186,6 +132,25 @@ cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, double farthest_m) con
     }
   });
   return unmatched;
+}
+
+/// In whole pixels of the images, principal-point difference included.
+int UnmatchedTexture::matcherDisparity(double disparity_px) const {
+  const double largest_px = matched_m_.cols;
+  return static_cast<int>(std::floor(std::min(disparity_px, largest_px) + geometry_.principalPointDifference()));
+}
+
+/// Of the next matches to the left and right of a pixel, above and below; NaN where there is none.
+std::array<float, 4> UnmatchedTexture::depthsAround(int u, int v) const {
+  const auto next = [&](int du, int dv) {
+    for (int step = 1; step <= kAround_px; ++step) {
+      const cv::Point at(u + step * du, v + step * dv);
+      if (!cv::Rect({}, matched_m_.size()).contains(at)) break;
+      if (const float depth_m = matched_m_.at<float>(at); !std::isnan(depth_m)) return depth_m;
+    }
+    return std::numeric_limits<float>::quiet_NaN();
+  };
+  return {next(-1, 0), next(1, 0), next(0, -1), next(0, 1)};
 }
 
 /// Runs of a row's pixels without a match whose content the right camera should see.

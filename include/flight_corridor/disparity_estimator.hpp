@@ -6,6 +6,7 @@
 #include <string>
 
 #include "flight_corridor/disparity_refiner.hpp"
+#include "flight_corridor/island_filter.hpp"
 #include "flight_corridor/level_matcher.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
@@ -20,7 +21,7 @@ struct StereoConfig {
   int smoothness_large = 12;     ///< SGBM P2 per pixel of the block.
   int uniqueness_percent = 10;   ///< The best match must beat the second by this much.
   int left_right_max_px = 1;     ///< Largest left-right inconsistency; -1 switches the check off.
-  int speckle_window_px = 100;   ///< Smaller islands of disparity are removed; 0 switches it off.
+  int speckle_window_px = 40;    ///< Smaller islands of disparity are removed; 0 switches it off.
   int speckle_range_px = 2;
   double texture_min = 1.5;            ///< Smallest local grey gradient that counts as texture [grey levels]; a dim
                                        ///< image has less noise, there down to two thirds of this.
@@ -75,6 +76,7 @@ class DisparityEstimator {
       pad_right_px_;     // the matcher skips columns that cannot see its whole search range: padding brings them back
   cv::Rect image_area_;  // of the padded images
   cv::Ptr<cv::StereoSGBM> matcher_;
+  IslandFilter island_filter_;
   LevelMatcher level_matcher_;
   DisparityRefiner refiner_;
   cv::Ptr<cv::StereoSGBM> wls_left_matcher_;

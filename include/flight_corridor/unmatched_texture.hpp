@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -11,9 +12,10 @@
 namespace flight_corridor {
 
 /// Texture that was not matched although nothing known hides it from the right camera, and that would fit no farther
-/// than a box's end: what a thing leaves behind whose matches are wrong or missing. Of two parallel wires each fits on
-/// the other; they are found far away, and betrayed by what is left over of them and by the background that they hide
-/// from one camera. Nets and fences do the same. A view of its arguments: they must live longer.
+/// than a box's end, but not on the surfaces around it: what a thing leaves behind whose matches are wrong or missing.
+/// Of two parallel wires each fits on the other; they are found far away, and betrayed by what is left over of them and
+/// by the background that they hide from one camera. Nets and fences do the same. A view of its arguments: they must
+/// live longer.
 class UnmatchedTexture {
  public:
   /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches [m], NaN = none.
@@ -29,11 +31,11 @@ class UnmatchedTexture {
   cv::Mat image(const Box& box_C) const;
 
  private:
-  class Matcher;
-
   std::vector<cv::Rect> sections(const Box& box_C) const;
   cv::Rect view(const Box& box_C, double x_m) const;
   cv::Mat unmatched(const cv::Rect& area, double farthest_m) const;
+  int matcherDisparity(double disparity_px) const;
+  std::array<float, 4> depthsAround(int u, int v) const;
   template <class Work>
   void forEachGap(int v, const Work& work) const;
   bool isHidden(const float* depth_m, int first, int end) const;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace flight_corridor {
+
+/// Whether a small window of the left image fits on one of the right image's, within a range of disparities, by
+/// normalised cross-correlation: whatever the exposures. A view of the left image; many threads may ask it.
+class WindowMatcher {
+ public:
+  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.
+  WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows);
+
+  /// @param first_px, last_px disparities, principal-point difference included.
+  /// @param scratch of the calling thread.
+  /// @return false also where the window is not whole on both images.
+  bool fits(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const;
+
+ private:
+  float centredWindow(int u, int v, float* window) const;
+
+  int first_row_;
+  cv::Mat left_, right_, contrast_;
+};
+
+}  // namespace flight_corridor
