@@ -90,6 +90,23 @@ TEST(UnmatchedTexture, WhatWouldNotFitInTheBoxIsNoSign) {
   EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), behind), 0.0);
 }
 
+TEST(UnmatchedTexture, WhatFitsOnASurfaceBesideItAndBehindTheBoxTooIsNoSign) {
+  constexpr int kGap_px = 12;
+  const int far_px = static_cast<int>(std::floor(kGeometry.disparity(kFar_m)));
+  StereoFrame pair = pairWithDisparity(kInTheBox_px);
+  const cv::Range gap(kMiddle - 2, kMiddle + kGap_px + 2);  // with what its windows reach
+  pair.left.colRange(gap).copyTo(pair.right.colRange(gap.start - far_px, gap.end - far_px));
+  const cv::Mat depth_m = wallWithGap(kMiddle, kGap_px);
+  EXPECT_EQ(share(depth_m, evenTexture(kClearTexture), corridor(), pair), 0.0);
+
+  cv::Mat nearer_m = depth_m.clone();  // the surface beside it is another one
+  nearer_m.setTo(5.0f, nearer_m == kFar_m);
+  EXPECT_GT(share(nearer_m, evenTexture(kClearTexture), corridor(), pair), 0.0);
+  cv::Mat within_m = depth_m.clone();
+  within_m.setTo(kGeometry.depth(kInTheBox_px), within_m == kFar_m);
+  EXPECT_GT(share(within_m, evenTexture(kClearTexture), corridor(), pair), 0.0) << "it fits on one in the box";
+}
+
 TEST(UnmatchedTexture, FitsWhateverTheExposures) {
   StereoFrame pair = pairWithDisparity(kInTheBox_px);
   pair.right.convertTo(pair.right, -1, 0.5, 40.0);

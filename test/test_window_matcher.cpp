@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "flight_corridor/window_matcher.hpp"
+
+namespace flight_corridor {
+namespace {
+
+constexpr int kShift_px = 9;
+constexpr int kU = 60, kV = 20;
+
+/// Noise, shifted by one disparity; the right image is darker and of less contrast.
+struct Pair {
+  cv::Mat left = cv::Mat(40, 100, CV_8UC1), right = left.clone();
+
+  Pair() {
+    cv::RNG(7).fill(left, cv::RNG::UNIFORM, 0, 256);
+    cv::RNG(8).fill(right, cv::RNG::UNIFORM, 0, 256);
+    const int width = left.cols - kShift_px;
+    left.colRange(kShift_px, left.cols).convertTo(right.colRange(0, width), -1, 0.5, 30.0);
+  }
+};
+
+bool fits(int u, int v, int first_px, int last_px, cv::Range rows = {0, 40}) {
+  const Pair pair;
+  std::vector<float> scratch;
+  return WindowMatcher(pair.left, pair.right, rows).fits(u, v, first_px, last_px, scratch);
+}
+
+TEST(WindowMatcher, FitsAtItsDisparityAloneWhateverTheExposures) {
+  for (int disparity_px = 0; disparity_px < 40; ++disparity_px) {
+    EXPECT_EQ(fits(kU, kV, disparity_px, disparity_px), disparity_px == kShift_px) << disparity_px;
+  }
+}
+
+TEST(WindowMatcher, LooksAtBothEndsOfTheRange) {
+  EXPECT_TRUE(fits(kU, kV, kShift_px, kShift_px + 5));
+  EXPECT_TRUE(fits(kU, kV, kShift_px - 5, kShift_px));
+  EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px + 5));
+  EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px - 1)) << "an empty range";
+}
+
+TEST(WindowMatcher, IsTheSameForSomeOfTheRows) {
+  EXPECT_TRUE(fits(kU, kV, kShift_px, kShift_px, {kV, kV + 1}));
+  EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px + 9, {kV, kV + 1}));
+}
+
+TEST(WindowMatcher, NothingFitsWhereTheWindowIsNotWholeOnBothImages) {
+  EXPECT_TRUE(fits(kShift_px + 2, 2, kShift_px, kShift_px));
+  EXPECT_FALSE(fits(kShift_px + 1, 2, kShift_px, kShift_px)) << "beside the right image";
+  EXPECT_FALSE(fits(99, kV, kShift_px, kShift_px)) << "beside the left one";
+  EXPECT_FALSE(fits(kU, 1, kShift_px, kShift_px)) << "above";
+  EXPECT_FALSE(fits(kU, 38, kShift_px, kShift_px)) << "below";
+  EXPECT_FALSE(fits(kU, kV, -1000, -500));
+  EXPECT_FALSE(fits(kU, kV, 500, 1000));
+}
+
+TEST(WindowMatcher, WithoutTextureNothingFits) {
+  const cv::Mat grey(40, 100, CV_8UC1, cv::Scalar(90));
+  std::vector<float> scratch;
+  EXPECT_FALSE(WindowMatcher(grey, grey, {0, 40}).fits(kU, kV, 0, 40, scratch));
+}
+
+}  // namespace
+}  // namespace flight_corridor
