@@ -86,7 +86,7 @@ void justOutside(Scene& scene, Random& random) {
   flySteadily(scene);
   for (const double x_m : {3.5, 5.5, 7.5}) {
     for (const Side side : {Left, Right, Above, Below}) {
-      const double outside_m = random.uniform(0.12, 0.25);
+      const double outside_m = random.uniform(0.1, 0.25);
       scene.world.push_back(besideCorridor(side, x_m, outside_m, scene, masonry(random)));
     }
   }
@@ -135,6 +135,21 @@ void slope(Scene& scene, Random& random) {
   scene.world.push_back(hill);
 }
 
+/// A ball or a box of 10 to 25 cm that hangs in the way, beside the beam: a lamp, a nesting box.
+void smallThing(Scene& scene, Random& random) {
+  const double x_m = approach(scene, random);
+  const double size_m = random.uniform(0.1, 0.25);
+  const double beside_m = random.eitherSign(0.2, 0.45);
+  const double above_m = random.uniform(-0.1, 0.1);
+  const double grey = random.uniform(0.15, 0.8);
+  const double contrast = random.uniform(0.1, 0.35);
+  const Material paint = textured(random, grey, contrast, 0.16);
+  const Eigen::Vector3d middle_W(x_m + size_m / 2.0, middle(scene) + beside_m, kHeight_m + above_m);
+  scene.world.push_back(random.chance(0.5) ? makeSphere(middle_W, size_m / 2.0, paint)
+                                           : makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint));
+  scene.world.push_back(backdrop(x_m + 6.0, masonry(random)));
+}
+
 }  // namespace
 
 std::vector<SceneBuilder> structureBuilders() {
@@ -147,6 +162,7 @@ std::vector<SceneBuilder> structureBuilders() {
           {"side_obstacles", Visibility::Visible, sideObstacles},
           {"slanted_wall", Visibility::Visible, slantedWall},
           {"slope", Visibility::Visible, slope},
+          {"small_thing", Visibility::Visible, smallThing},
           {"wall", Visibility::Visible, addWall},
           {"wide_gap", Visibility::Visible, wideGap}};
 }
