@@ -77,6 +77,7 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
       pad_left_px_(evenAbove(min_disparity_px_ + config.num_disparities_px)),
       pad_right_px_(evenAbove(-min_disparity_px_)),
       image_area_({pad_left_px_, 0}, geometry.size()),
+      island_filter_(config.speckle_window_px, config.speckle_range_px),
       level_matcher_(min_disparity_px_, config.num_disparities_px) {
   throwIfBroken(check(config));
   if (geometry.size().width <= config.num_disparities_px) {
@@ -88,8 +89,6 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
   matcher_ = makeMatcher(config, min_disparity_px_, config.num_disparities_px);
   matcher_->setUniquenessRatio(config.uniqueness_percent);
   matcher_->setDisp12MaxDiff(config.left_right_max_px);
-  matcher_->setSpeckleWindowSize(config.speckle_window_px);
-  matcher_->setSpeckleRange(config.speckle_range_px);
 
   // The filter's factory rewrites its matcher's settings, so it gets one of its own, at half size: it only fills.
   wls_left_matcher_ =
@@ -114,6 +113,9 @@ void DisparityEstimator::pad(const cv::Mat& image, cv::Mat& padded) const {
 
 void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   matcher_->compute(left_padded_, right_padded_, left_fixed_);
+  left_fixed_(image_area_).copyTo(matched_fixed_);
+  const auto unmatched = static_cast<std::int16_t>((min_disparity_px_ - 1) * kFixedPoint);
+  island_filter_.filter(left, balanced_right_, matched_fixed_, unmatched, out.small);
 
   // Where nothing varies along the row, every disparity matches.
   cv::Sobel(left, gradient_, CV_16S, 1, 0, 1, 0.5);
@@ -121,8 +123,7 @@ void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   cv::boxFilter(gradient_, out.texture, CV_32F, {config_.block_size_px, config_.block_size_px});
   out.least_texture = leastTexture(left);
   cv::compare(out.texture, out.least_texture, keep_, cv::CMP_GE);
-  toPixels(left_fixed_(image_area_), keep_, out.matched_px);
-  island_filter_.filter(left, balanced_right_, out.matched_px);
+  toPixels(matched_fixed_, keep_, out.matched_px);
   level_matcher_.match(left, balanced_right_, out.matched_px);
   refiner_.refine(left, balanced_right_, out.matched_px);
   removeDifference(out.matched_px);

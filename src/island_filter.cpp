@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -13,86 +13,120 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kLargest_px = 200;    // pixels of an island: larger ones are taken at their word
-constexpr int kStep_px = 2;         // at most between neighbours of one island
-constexpr int kSameSurface_px = 3;  // from a surface of which an island is a part, seen through a gap
-constexpr int kAround_px = 32;      // so far beside an island its surroundings are looked at
-constexpr double kSurface = 0.05;   // of the matches there are a surface
-constexpr double kFits = 0.3;       // of an island's pixels fit on the surface that it is of; of a small thing's 0.2
+constexpr int kLargest_px = 200;     // pixels of an island: larger ones are taken at their word
+constexpr int kSmallest_px = 40;     // of a thing
+constexpr int kSameSurface_px = 3;   // from a surface of which an island may be a part, seen through a gap
+constexpr int kAround_px = 32;       // so far beside an island its surroundings are looked at
+constexpr double kSurface = 0.05;    // of the matches there are a surface
+constexpr double kFits = 0.3;        // of an island's pixels fit on the surface that it is of; of a small thing's 0.2
+constexpr double kUnclaimed = 0.25;  // of its pixels must have a say
 constexpr int kFixedPoint = 16;
-constexpr std::int16_t kNone = std::numeric_limits<std::int16_t>::min();
+constexpr int kLowest_px = std::numeric_limits<std::int16_t>::min() / kFixedPoint;
+
+int wholePixels(int fixed) { return static_cast<int>(std::floor(static_cast<double>(fixed) / kFixedPoint)); }
 
 }  // namespace
 
-void IslandFilter::filter(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
-  const std::vector<Island> islands = findIslands(disparity_px);
-  if (islands.empty()) return;
+IslandFilter::IslandFilter(int speckle_px, int step_px) : speckle_px_(speckle_px), step_(step_px * kFixedPoint) {}
+
+void IslandFilter::filter(const cv::Mat& left, const cv::Mat& right, cv::Mat& fixed, std::int16_t none,
+                          cv::Mat& small) {
+  small = cv::Mat::zeros(fixed.size(), CV_8U);
+  if (speckle_px_ > 0) cv::filterSpeckles(fixed, none, std::min(speckle_px_, kSmallest_px), step_, speckles_);
+  fixed.copyTo(surfaces_);
+  cv::filterSpeckles(surfaces_, none, kLargest_px, step_, speckles_);
+  cv::compare(fixed, surfaces_, islands_, cv::CMP_NE);
+  if (cv::countNonZero(islands_) == 0) return;
+  surfaces_.setTo(std::numeric_limits<std::int16_t>::min(), surfaces_ == none);
+  claimed_ = cv::Mat::zeros(fixed.size(), CV_8U);
   const WindowMatcher matcher(left, right, {0, left.rows});
-  for (const Island& island : islands) {
-    const std::vector<int> surfaces_px = surfacesAround(island, meanDisparity(island, disparity_px));
-    const bool is_mistake = std::any_of(surfaces_px.begin(), surfaces_px.end(),
-                                        [&](int surface_px) { return fits(island, matcher, surface_px); });
-    if (!is_mistake) continue;
-    cv::Mat part = disparity_px(island.box);
-    part.setTo(std::numeric_limits<float>::quiet_NaN(), labels_(island.box) == island.label);
+  for (int v = 0; v < fixed.rows; ++v) {
+    for (int u = 0; u < fixed.cols; ++u) {
+      if (!islands_.at<std::uint8_t>(v, u)) continue;
+      takeIsland(fixed, {u, v});
+      const bool is_thing = isThing(matcher, fixed);
+      for (const cv::Point& pixel : island_) {
+        if (!is_thing) fixed.at<std::int16_t>(pixel) = none;
+        if (is_thing && isSpeckle()) small.at<std::uint8_t>(pixel) = 255;
+      }
+    }
   }
 }
 
-/// Leaves what is no island in fixed_, the islands in labels_.
-std::vector<IslandFilter::Island> IslandFilter::findIslands(const cv::Mat& disparity_px) {
-  const cv::Mat matched = disparity_px == disparity_px;
-  disparity_px.convertTo(fixed_, CV_16S, kFixedPoint);
-  fixed_.setTo(kNone, ~matched);
-  cv::filterSpeckles(fixed_, kNone, kLargest_px, kStep_px * kFixedPoint, speckles_);
-  cv::bitwise_and(matched, fixed_ == kNone, islands_);
-  const int count = cv::connectedComponentsWithStats(islands_, labels_, stats_, centroids_, 4);
-  std::vector<Island> islands;
-  for (int label = 1; label < count; ++label) {
-    const int* stats = stats_.ptr<int>(label);
-    islands.push_back(
-        {label,
-         stats[cv::CC_STAT_AREA],
-         {stats[cv::CC_STAT_LEFT], stats[cv::CC_STAT_TOP], stats[cv::CC_STAT_WIDTH], stats[cv::CC_STAT_HEIGHT]}});
+/// The neighbours of a pixel that belong to its island, and theirs.
+void IslandFilter::takeIsland(const cv::Mat& fixed, const cv::Point& start) {
+  const cv::Rect image({}, fixed.size());
+  island_.assign(1, start);
+  islands_.at<std::uint8_t>(start) = 0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < island_.size(); ++i) {
+    const cv::Point pixel = island_[i];
+    const int here = fixed.at<std::int16_t>(pixel);
+    sum += here;
+    for (const cv::Point& side : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+      const cv::Point next = pixel + side;
+      if (!image.contains(next) || !islands_.at<std::uint8_t>(next)) continue;
+      if (std::abs(fixed.at<std::int16_t>(next) - here) > step_) continue;
+      islands_.at<std::uint8_t>(next) = 0;
+      island_.push_back(next);
+    }
   }
-  return islands;
+  island_px_ = wholePixels(static_cast<int>(sum / static_cast<double>(island_.size())));
 }
 
-int IslandFilter::meanDisparity(const Island& island, const cv::Mat& disparity_px) const {
-  return static_cast<int>(std::floor(cv::mean(disparity_px(island.box), labels_(island.box) == island.label)[0]));
+bool IslandFilter::isThing(const WindowMatcher& matcher, const cv::Mat& fixed) {
+  findSurfaces();
+  const bool is_part = std::any_of(surfaces_px_.begin(), surfaces_px_.end(), [&](int surface_px) {
+    return std::abs(surface_px - island_px_) <= kSameSurface_px;
+  });
+  if (is_part) return !isSpeckle();
+  if (isSpeckle() && (surfaces_px_.empty() || surfaces_px_.back() > island_px_)) return false;
+  return std::none_of(surfaces_px_.begin(), surfaces_px_.end(),
+                      [&](int surface_px) { return fits(matcher, fixed, surface_px); });
 }
 
-/// Disparities of the surfaces around an island, in whole pixels; none where it may be a part of one of them.
-std::vector<int> IslandFilter::surfacesAround(const Island& island, int island_px) {
+/// Disparities of the surfaces around the island, in whole pixels, the nearest last.
+void IslandFilter::findSurfaces() {
   const cv::Point reach(kAround_px, kAround_px);
-  const cv::Rect around = cv::Rect(island.box.tl() - reach, island.box.br() + reach) & cv::Rect({}, fixed_.size());
-  matches_.clear();
+  const cv::Rect box = cv::boundingRect(island_);
+  const cv::Rect around = cv::Rect(box.tl() - reach, box.br() + reach) & cv::Rect({}, surfaces_.size());
+  matches_.assign(-2 * kLowest_px, 0);
   int total = 0;
   for (int v = around.y; v < around.br().y; ++v) {
-    const auto* fixed = fixed_.ptr<std::int16_t>(v);
+    const auto* surface = surfaces_.ptr<std::int16_t>(v);
     for (int u = around.x; u < around.br().x; ++u) {
-      if (fixed[u] == kNone) continue;
-      ++matches_[static_cast<int>(std::floor(static_cast<double>(fixed[u]) / kFixedPoint))];
+      if (surface[u] == std::numeric_limits<std::int16_t>::min()) continue;
+      ++matches_[wholePixels(surface[u]) - kLowest_px];
       ++total;
     }
   }
-  std::vector<int> surfaces_px;
-  for (const auto& [surface_px, matches] : matches_) {
-    if (matches < kSurface * total) continue;
-    if (std::abs(surface_px - island_px) <= kSameSurface_px) return {};
-    surfaces_px.push_back(surface_px);
+  surfaces_px_.clear();
+  for (std::size_t i = 0; i < matches_.size(); ++i) {
+    if (matches_[i] > 0 && matches_[i] >= kSurface * total) surfaces_px_.push_back(static_cast<int>(i) + kLowest_px);
   }
-  return surfaces_px;
 }
 
-bool IslandFilter::fits(const Island& island, const WindowMatcher& matcher, int surface_px) {
-  int fitting = 0;
-  for (int v = island.box.y; v < island.box.br().y; ++v) {
-    const auto* label = labels_.ptr<int>(v);
-    for (int u = island.box.x; u < island.box.br().x; ++u) {
-      fitting += label[u] == island.label && matcher.fits(u, v, surface_px, surface_px + 1, scratch_);
+/// Whether the island fits on a surface. Pixels that would fit on what the island itself shows in the right image have
+/// no say: level stripes fit on themselves.
+bool IslandFilter::fits(const WindowMatcher& matcher, const cv::Mat& fixed, int surface_px) {
+  const auto claim = [&](std::uint8_t claimed) {
+    for (const cv::Point& pixel : island_) {
+      const int u = pixel.x - wholePixels(fixed.at<std::int16_t>(pixel));
+      if (0 <= u && u < claimed_.cols) claimed_.at<std::uint8_t>(pixel.y, u) = claimed;
     }
+  };
+  claim(1);
+  int fitting = 0, asked = 0;
+  for (const cv::Point& pixel : island_) {
+    const int u = pixel.x - surface_px;
+    if (u < 1 || u >= claimed_.cols || claimed_.at<std::uint8_t>(pixel.y, u) ||
+        claimed_.at<std::uint8_t>(pixel.y, u - 1))
+      continue;
+    ++asked;
+    fitting += matcher.fits(pixel.x, pixel.y, surface_px, surface_px + 1, scratch_);
   }
-  return fitting >= kFits * island.area_px;
+  claim(0);
+  return asked >= kUnclaimed * static_cast<double>(island_.size()) && fitting >= kFits * asked;
 }
 
 }  // namespace flight_corridor

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kClear = 5.0;             // by how much clear texture exceeds what can be told from noise
 constexpr int kAround_px = 32;             // so far beside a gap, or a pixel of it, surfaces are looked for
+constexpr int kWitnesses = 2;              // neighbours that must lie on a surface on which a pixel fits
 constexpr double kSlack_px = 4.0;          // matching moves the edges of a gap
 constexpr double kScale = 0.9;             // smallest factor that the depth's scale may be wrong by
 constexpr double kNearestSection_m = 0.6;  // along the box; nearer ones see nearly all of the image
@@ -43,7 +44,9 @@ double farthestDepth(const Box& box_C) {
 
 UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
                                    const cv::Mat& matched_m, double nearest_m)
-    : geometry_(geometry), pair_(pair), disparity_(disparity), matched_m_(matched_m), nearest_m_(nearest_m) {}
+    : geometry_(geometry), pair_(pair), disparity_(disparity), matched_m_(matched_m.clone()), nearest_m_(nearest_m) {
+  if (!disparity.small.empty()) matched_m_.setTo(std::numeric_limits<float>::quiet_NaN(), disparity.small);
+}
 
 double UnmatchedTexture::share(const Box& box_C) const {
   const std::vector<cv::Rect> views = sections(box_C);
@@ -115,11 +118,12 @@ cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, double farthest_m) con
       auto* out = unmatched.ptr<float>(v - area.y);
       const auto fitsBehind = [&](int u) {
         const std::array<float, 4> around_m = depthsAround(u, v);
-        return std::any_of(around_m.begin(), around_m.end(), [&](float depth_m) {
+        const auto fitting = std::count_if(around_m.begin(), around_m.end(), [&](float depth_m) {
           if (!(depth_m * kScale > farthest_m)) return false;
           const int surface_px = matcherDisparity(geometry_.disparity(depth_m));
           return matcher.fits(u, v, surface_px, surface_px + 1, scratch);
         });
+        return fitting >= kWitnesses;
       };
       forEachGap(v, [&](int first, int end) {
         for (int u = std::max(first, area.x); u < std::min(end, area.br().x); ++u) {

@@ -81,7 +81,7 @@ TEST(LevelMatcher, FindsItOnTheRowsBesideItsMiddleToo) {
 TEST(LevelMatcher, TakesAFewPixelsThatAgreeForChance) {
   const Pair pair(0.08);
   const auto found = [&](int candidates) {  // in a strip that leaves the window so many places in a row
-    const cv::Range strip(100, 140 + candidates);
+    const cv::Range strip(100, 130 + candidates);
     cv::Mat disparity_px(pair.left.rows, strip.size(), CV_32FC1, cv::Scalar(kBackground_px));
     const cv::Mat before = disparity_px.clone();
     LevelMatcher(-2, 16).match(pair.left.colRange(strip), pair.right.colRange(strip), disparity_px);

@@ -21,7 +21,7 @@ struct StereoConfig {
   int smoothness_large = 12;     ///< SGBM P2 per pixel of the block.
   int uniqueness_percent = 10;   ///< The best match must beat the second by this much.
   int left_right_max_px = 1;     ///< Largest left-right inconsistency; -1 switches the check off.
-  int speckle_window_px = 40;    ///< Smaller islands of disparity are removed; 0 switches it off.
+  int speckle_window_px = 100;   ///< Smaller islands of disparity are removed, unless they are a thing; 0: none is.
   int speckle_range_px = 2;
   double texture_min = 1.5;            ///< Smallest local grey gradient that counts as texture [grey levels]; a dim
                                        ///< image has less noise, there down to two thirds of this.
@@ -38,6 +38,7 @@ struct Disparity {
   cv::Mat filtered_px;            ///< CV_32FC1: edge-preserving WLS fill between the matches, confident pixels only.
   cv::Mat confidence;             ///< CV_32FC1 [0..1]: of filtered_px.
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
+  cv::Mat small;                  ///< CV_8U: 255 where a match is of a thing smaller than stereo/speckle_window_px.
   cv::Mat texture;  ///< CV_32FC1: mean absolute gradient along the row, over the matcher's block [grey levels].
   double least_texture = 0.0;  ///< Less may be noise [grey levels].
 };
@@ -83,7 +84,7 @@ class DisparityEstimator {
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
   cv::Mat balanced_right_, left_padded_, right_padded_, left_half_, right_half_;
-  cv::Mat left_fixed_, right_fixed_, filtered_fixed_, gradient_, keep_;
+  cv::Mat left_fixed_, matched_fixed_, right_fixed_, filtered_fixed_, gradient_, keep_;
   cv::Mat support_, lowest_, highest_, difference_, weight_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -8,29 +8,39 @@ namespace flight_corridor {
 
 class WindowMatcher;
 
-/// Tells small things from small mistakes. Where a pattern repeats itself, a few of its matches may lie at another of
-/// its periods: an island before the surface that holds the rest. A small thing before a wall is an island, too. But
-/// the mistake fits on the surface around it as well, and the thing does not.
+/// Tells small things from small mistakes among a matcher's islands: neighbours of nearly the same disparity, fewer
+/// than 200 px. Where a pattern repeats itself, some of its matches may lie at another of its periods, before the
+/// surface that holds the rest. A small thing before a wall is an island, too. But the mistake fits on the surface
+/// around it as well, and the thing does not.
 class IslandFilter {
  public:
-  /// Removes the islands of matches that fit on a surface around them.
-  /// @param left, right   CV_8UC1, rectified.
-  /// @param disparity_px  CV_32FC1, NaN = no match, u_l - u_r in pixels of the images.
-  void filter(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+  /// @param speckle_px smaller islands are removed unless they are a thing: nearer than all that is around them, and
+  /// fitting nowhere on it.
+  /// @param step_px between neighbours of one island.
+  IslandFilter(int speckle_px, int step_px);
+
+  /// Removes speckles, and the larger islands that fit on a surface around them.
+  /// @param left, right CV_8UC1, rectified.
+  /// @param fixed       CV_16S, u_l - u_r in sixteenths of a pixel.
+  /// @param none        what stands in it for no match.
+  /// @param small       refilled: CV_8U, 255 where a thing as small as a speckle stayed.
+  void filter(const cv::Mat& left, const cv::Mat& right, cv::Mat& fixed, std::int16_t none, cv::Mat& small);
 
  private:
-  struct Island {
-    int label = 0, area_px = 0;
-    cv::Rect box;
-  };
+  void takeIsland(const cv::Mat& fixed, const cv::Point& start);
+  bool isSpeckle() const { return static_cast<int>(island_.size()) <= speckle_px_; }
+  bool isThing(const WindowMatcher& matcher, const cv::Mat& fixed);
+  void findSurfaces();
+  bool fits(const WindowMatcher& matcher, const cv::Mat& fixed, int surface_px);
 
-  std::vector<Island> findIslands(const cv::Mat& disparity_px);
-  int meanDisparity(const Island& island, const cv::Mat& disparity_px) const;
-  std::vector<int> surfacesAround(const Island& island, int island_px);
-  bool fits(const Island& island, const WindowMatcher& matcher, int surface_px);
-
-  cv::Mat fixed_, speckles_, islands_, labels_, stats_, centroids_;
-  std::map<int, int> matches_;  // around an island, by whole disparity
+  int speckle_px_, step_;
+  cv::Mat surfaces_;  // without the islands
+  cv::Mat islands_;   // those that were not looked at yet
+  cv::Mat claimed_;   // of the right image, by the island that is looked at
+  cv::Mat speckles_;  // scratch of OpenCV
+  std::vector<cv::Point> island_;
+  int island_px_ = 0;                       // its mean disparity
+  std::vector<int> matches_, surfaces_px_;  // around it: by whole disparity; disparities of surfaces
   std::vector<float> scratch_;
 };
 

@@ -7,8 +7,8 @@
 namespace flight_corridor {
 
 /// Finds thin level things (branches, wires) that a matcher with square blocks and smoothing gives to their background.
-/// Along a level edge grey values hardly vary, so only a long window along the edge tells one disparity from another; it
-/// compares vertical gradients, which do not depend on the exposures' difference.
+/// Along a level edge grey values hardly vary, so only a long window along the edge tells one disparity from another;
+/// it compares vertical gradients, which do not depend on the exposures' difference.
 class LevelMatcher {
  public:
   /// @param min_disparity_px, num_disparities_px  the range that is searched, as the matcher's own.
@@ -23,7 +23,7 @@ class LevelMatcher {
   void findLevelEdges(const cv::Mat& left);
   float disparityAt(int u, int v, float matched_px);
   double slopeAt(int u, int v) const;
-  float best(float matched_px, int edge) const;
+  float best(int first_px, float matched_px, int edge) const;
 
   int min_disparity_px_, num_disparities_px_;
   cv::Mat left_steps_, right_steps_, across_, along_, vertical_, horizontal_;

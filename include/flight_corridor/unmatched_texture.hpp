@@ -14,8 +14,9 @@ namespace flight_corridor {
 /// Texture that was not matched although nothing known hides it from the right camera, and that would fit no farther
 /// than a box's end, but not on the surfaces around it: what a thing leaves behind whose matches are wrong or missing.
 /// Of two parallel wires each fits on the other; they are found far away, and betrayed by what is left over of them and
-/// by the background that they hide from one camera. Nets and fences do the same. A view of its arguments: they must
-/// live longer.
+/// by the background that they hide from one camera. Nets and fences do the same. So is a match of a thing smaller than
+/// stereo/speckle_window_px: it blocks where it fills a cell, and is in doubt where it does not. A view of its
+/// arguments: they must live longer.
 class UnmatchedTexture {
  public:
   /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches [m], NaN = none.
@@ -43,7 +44,7 @@ class UnmatchedTexture {
   const StereoGeometry& geometry_;
   const StereoFrame& pair_;
   const Disparity& disparity_;
-  const cv::Mat& matched_m_;
+  cv::Mat matched_m_;  // small things left out
   double nearest_m_;
 };
 
