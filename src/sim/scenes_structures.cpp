@@ -86,7 +86,7 @@ void justOutside(Scene& scene, Random& random) {
   flySteadily(scene);
   for (const double x_m : {3.5, 5.5, 7.5}) {
     for (const Side side : {Left, Right, Above, Below}) {
-      const double outside_m = random.uniform(0.1, 0.25);
+      const double outside_m = random.uniform(0.12, 0.25);
       scene.world.push_back(besideCorridor(side, x_m, outside_m, scene, masonry(random)));
     }
   }
