@@ -31,14 +31,17 @@ IslandFilter::IslandFilter(int speckle_px, int step_px) : speckle_px_(speckle_px
 
 void IslandFilter::filter(const cv::Mat& left, const cv::Mat& right, cv::Mat& fixed, std::int16_t none,
                           cv::Mat& small) {
-  small = cv::Mat::zeros(fixed.size(), CV_8U);
-  if (speckle_px_ > 0) cv::filterSpeckles(fixed, none, std::min(speckle_px_, kSmallest_px), step_, speckles_);
+  small.create(fixed.size(), CV_8U);
+  small.setTo(0);
+  if (speckle_px_ == 0) return;
+  cv::filterSpeckles(fixed, none, std::min(speckle_px_, kSmallest_px), step_, speckles_);
   fixed.copyTo(surfaces_);
-  cv::filterSpeckles(surfaces_, none, kLargest_px, step_, speckles_);
+  cv::filterSpeckles(surfaces_, none, std::max(speckle_px_, kLargest_px), step_, speckles_);
   cv::compare(fixed, surfaces_, islands_, cv::CMP_NE);
   if (cv::countNonZero(islands_) == 0) return;
   surfaces_.setTo(std::numeric_limits<std::int16_t>::min(), surfaces_ == none);
-  claimed_ = cv::Mat::zeros(fixed.size(), CV_8U);
+  claimed_.create(fixed.size(), CV_8U);
+  claimed_.setTo(0);
   const WindowMatcher matcher(left, right, {0, left.rows});
   for (int v = 0; v < fixed.rows; ++v) {
     for (int u = 0; u < fixed.cols; ++u) {

@@ -114,6 +114,17 @@ TEST(IslandFilter, WithoutSurroundingsASpeckleGoesAndALargerIslandStays) {
   }
 }
 
+TEST(IslandFilter, AnySizeOfSpecklesIsKeptTo) {
+  const Pair pair;
+  const auto left = [&](int speckle_px, const cv::Rect& island, double island_px) {
+    cv::Mat fixed = wallWith(island, island_px), small;
+    IslandFilter(speckle_px, kStep_px).filter(pair.left, pair.right, fixed, kNone, small);
+    return cv::countNonZero(fixed(island) != kNone);
+  };
+  EXPECT_EQ(left(0, kSmall, kThing_px), kSmall.area()) << "off";
+  EXPECT_EQ(left(kLarge.area(), kLarge, kWall_px + 3.0), 0) << "larger than other islands";
+}
+
 TEST(IslandFilter, WithoutTextureNothingFitsAndNothingIsDropped) {
   const cv::Mat grey(kSize, CV_8UC1, cv::Scalar(90));
   cv::Mat fixed = wallWith(kSmall, kThing_px), small;

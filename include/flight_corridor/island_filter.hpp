@@ -15,7 +15,7 @@ class WindowMatcher;
 class IslandFilter {
  public:
   /// @param speckle_px smaller islands are removed unless they are a thing: nearer than all that is around them, and
-  /// fitting nowhere on it.
+  /// fitting nowhere on it. 0: nothing is removed at all.
   /// @param step_px between neighbours of one island.
   IslandFilter(int speckle_px, int step_px);
 
