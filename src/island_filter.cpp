@@ -13,13 +13,15 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kLargest_px = 200;     // pixels of an island: larger ones are taken at their word
+constexpr int kLargest_px = 400;     // pixels of an island: larger ones are taken at their word
 constexpr int kSmallest_px = 40;     // of a thing
 constexpr int kSameSurface_px = 3;   // from a surface of which an island may be a part, seen through a gap
 constexpr int kAround_px = 32;       // so far beside an island its surroundings are looked at
 constexpr double kSurface = 0.05;    // of the matches there are a surface
-constexpr double kFits = 0.3;        // of an island's pixels fit on the surface that it is of; of a small thing's 0.2
-constexpr double kUnclaimed = 0.25;  // of its pixels must have a say
+constexpr double kMargin = 0.35;     // of its pixels more fit where a thing was matched than on any surface around;
+constexpr double kByChance = 0.1;    // where few fit on a surface, twice as many and this share more are enough
+constexpr double kLeast = 0.2;       // of a larger mistake's pixels fit on a surface around
+constexpr double kUnclaimed = 0.25;  // of the pixels must have a say
 constexpr int kFixedPoint = 16;
 constexpr int kLowest_px = std::numeric_limits<std::int16_t>::min() / kFixedPoint;
 
@@ -84,8 +86,12 @@ bool IslandFilter::isThing(const WindowMatcher& matcher, const cv::Mat& fixed) {
   });
   if (is_part) return !isSpeckle();
   if (isSpeckle() && (surfaces_px_.empty() || surfaces_px_.back() > island_px_)) return false;
-  return std::none_of(surfaces_px_.begin(), surfaces_px_.end(),
-                      [&](int surface_px) { return fits(matcher, fixed, surface_px); });
+  const double own = ownShare(matcher, fixed);
+  return std::none_of(surfaces_px_.begin(), surfaces_px_.end(), [&](int surface_px) {
+    const double share =
+        std::max(shareOn(surface_px, Side::Left, matcher, fixed), shareOn(surface_px, Side::Right, matcher, fixed));
+    return own < share + std::min(share + kByChance, kMargin) && (isSpeckle() || share >= kLeast);
+  });
 }
 
 /// Disparities of the surfaces around the island, in whole pixels, the nearest last.
@@ -109,27 +115,41 @@ void IslandFilter::findSurfaces() {
   }
 }
 
-/// Whether the island fits on a surface. Pixels that would fit on what the island itself shows in the right image have
-/// no say: level stripes fit on themselves.
-bool IslandFilter::fits(const WindowMatcher& matcher, const cv::Mat& fixed, int surface_px) {
+/// Share of the island's pixels that fit where they were matched.
+double IslandFilter::ownShare(const WindowMatcher& matcher, const cv::Mat& fixed) {
+  const auto fitting = std::count_if(island_.begin(), island_.end(), [&](const cv::Point& pixel) {
+    const int own_px = wholePixels(fixed.at<std::int16_t>(pixel));
+    return matcher.fits(pixel.x, pixel.y, own_px, own_px + 1, scratch_);
+  });
+  return static_cast<double>(fitting) / static_cast<double>(island_.size());
+}
+
+/// Share of what the island shows in one image that fits on a surface. What would fit on the island's own picture in
+/// the other image has no say: level stripes fit on themselves.
+double IslandFilter::shareOn(int surface_px, Side side, const WindowMatcher& matcher, const cv::Mat& fixed) {
+  const auto column = [&](const cv::Point& pixel, Side of) {
+    return of == Side::Left ? pixel.x : pixel.x - wholePixels(fixed.at<std::int16_t>(pixel));
+  };
+  const Side other = side == Side::Left ? Side::Right : Side::Left;
   const auto claim = [&](std::uint8_t claimed) {
     for (const cv::Point& pixel : island_) {
-      const int u = pixel.x - wholePixels(fixed.at<std::int16_t>(pixel));
+      const int u = column(pixel, other);
       if (0 <= u && u < claimed_.cols) claimed_.at<std::uint8_t>(pixel.y, u) = claimed;
     }
   };
   claim(1);
   int fitting = 0, asked = 0;
   for (const cv::Point& pixel : island_) {
-    const int u = pixel.x - surface_px;
-    if (u < 1 || u >= claimed_.cols || claimed_.at<std::uint8_t>(pixel.y, u) ||
-        claimed_.at<std::uint8_t>(pixel.y, u - 1))
+    const int here = column(pixel, side);
+    const int there = side == Side::Left ? here - surface_px : here + surface_px;
+    if (there < 1 || there >= claimed_.cols || claimed_.at<std::uint8_t>(pixel.y, there) ||
+        claimed_.at<std::uint8_t>(pixel.y, there - 1))
       continue;
     ++asked;
-    fitting += matcher.fits(pixel.x, pixel.y, surface_px, surface_px + 1, scratch_);
+    fitting += matcher.fits(side == Side::Left ? here : there, pixel.y, surface_px, surface_px + 1, scratch_);
   }
   claim(0);
-  return asked >= kUnclaimed * static_cast<double>(island_.size()) && fitting >= kFits * asked;
+  return asked >= kUnclaimed * static_cast<double>(island_.size()) ? static_cast<double>(fitting) / asked : 0.0;
 }
 
 }  // namespace flight_corridor

@@ -125,11 +125,21 @@ TEST(IslandFilter, AnySizeOfSpecklesIsKeptTo) {
   EXPECT_EQ(left(kLarge.area(), kLarge, kWall_px + 3.0), 0) << "larger than other islands";
 }
 
-TEST(IslandFilter, WithoutTextureNothingFitsAndNothingIsDropped) {
-  const cv::Mat grey(kSize, CV_8UC1, cv::Scalar(90));
-  cv::Mat fixed = wallWith(kSmall, kThing_px), small;
-  IslandFilter(kSpeckle_px, kStep_px).filter(grey, grey, fixed, kNone, small);
-  EXPECT_EQ(cv::countNonZero(fixed == kThing_px * kFixedPoint), kSmall.area());
+TEST(IslandFilter, WhatTheRightImageShowsOfAMistakeIsTheWalls) {
+  Pair pair;
+  cv::RNG(9).fill(pair.left(kMiddling), cv::RNG::UNIFORM, 0, 256);
+  EXPECT_EQ(islandsPixelsLeft(pair, kMiddling, kThing_px), 0);
+}
+
+TEST(IslandFilter, OfWhatFitsNowhereASpeckleGoesAndALargerIslandStays) {
+  Pair noise;
+  cv::RNG(9).fill(noise.right, cv::RNG::UNIFORM, 0, 256);
+  Pair grey;
+  for (cv::Mat* image : {&grey.left, &grey.right}) image->setTo(90);
+  for (const Pair& pair : {noise, grey}) {
+    EXPECT_EQ(islandsPixelsLeft(pair, kSmall, kThing_px), 0);
+    EXPECT_EQ(islandsPixelsLeft(pair, kMiddling, kThing_px), kMiddling.area());
+  }
 }
 
 TEST(IslandFilter, AnyImageWillDo) {
