@@ -134,7 +134,9 @@ float LevelMatcher::best(int first_px, float matched_px, int edge) const {
   for (int i = 0; i <= last; ++i) {
     if (std::abs(i - at) > kNeighbours_px && lowest(i) < kUnique * costs[at]) return kNothing;
   }
-  const float found_px = static_cast<float>(first_px + at);
+  const double left = costs[at - 1], right = costs[at + 1], steepness = std::max(left, right) - costs[at];
+  const double tip = steepness > 0.0 ? 0.5 * (left - right) / steepness : 0.0;  // of that V, from its middle
+  const float found_px = static_cast<float>(first_px + at + tip);
   if (std::isnan(matched_px)) return found_px;
   const int before = std::clamp(static_cast<int>(std::lround(matched_px)) - first_px, 0, last);
   return found_px >= matched_px + kNearer_px && lowest(before) >= kBetter * costs[at] ? found_px : kNothing;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <opencv2/imgproc.hpp>
 
 namespace flight_corridor {
 
@@ -11,6 +12,8 @@ namespace {
 
 constexpr double kEdge_px = 4.0;          // so far block matching may move a surface's edge
 constexpr double kFarther_px = 1.0;       // so much farther a surface may turn out to be when it is seen from nearer
+constexpr double kSolid_m = 0.2;          // of its side; thin things grow by a few pixels when they are matched
+constexpr int kStep_px = 4;               // between the pixels that are asked about it
 constexpr double kUncertainShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma; of
                                           // a cell's rays that may have no end
 
@@ -35,6 +38,32 @@ double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) 
   const auto begin = begins_m_.begin() + static_cast<std::ptrdiff_t>(kUncertainShare * begins_m_.size());
   std::nth_element(begins_m_.begin(), begin, begins_m_.end());
   return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
+}
+
+bool SurfaceInBox::isSolid() const {
+  const cv::Size size = geometry_.size() / kStep_px;
+  cv::Mat in_box(size, CV_8U), depth_m(size, CV_32F), points;
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const float here_m = depth_m.at<float>(v, u) = depth_m_.at<float>(kStep_px * v, kStep_px * u);
+      in_box.at<std::uint8_t>(v, u) =
+          here_m < kInfinity && isInBox(geometry_.point(kStep_px * u, kStep_px * v, here_m));
+    }
+  }
+  cv::integral(in_box, points, CV_32S);
+  const StereoCalibration& rig = geometry_.calibration();
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      if (!in_box.at<std::uint8_t>(v, u)) continue;
+      const double points_m = kSolid_m / (kStep_px * depth_m.at<float>(v, u));
+      const int right = u + cvCeil(rig.fx_px * points_m), below = v + cvCeil(rig.fy_px * points_m);
+      if (right > size.width || below > size.height) continue;
+      const int inside =
+          points.at<int>(below, right) - points.at<int>(v, right) - points.at<int>(below, u) + points.at<int>(v, u);
+      if (inside == (right - u) * (below - v)) return true;
+    }
+  }
+  return false;
 }
 
 /// Whether the image tells what is in a cell: points that make a hit; or none in the box, and nearly all rays end in

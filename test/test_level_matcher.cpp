@@ -18,14 +18,15 @@ struct Pair {
   cv::Mat left, right, is_branch;
 
   /// @param blotch_px size of the wall's grain.
-  explicit Pair(double slope, double blotch_px = 2.0) {
+  /// @param branch_px the branch's disparity.
+  explicit Pair(double slope, double blotch_px = 2.0, double branch_px = kBranch_px) {
     cv::Mat texture(100, 260, CV_32FC1);
     cv::RNG random(7);
     random.fill(texture, cv::RNG::UNIFORM, 60, 256);
     cv::GaussianBlur(texture, texture, {0, 0}, blotch_px);
     cv::normalize(texture, texture, 60.0, 256.0, cv::NORM_MINMAX);
     left = seen(texture, slope, 0.0, 0.0, 1.0, random);
-    right = seen(texture, slope, kBackground_px, kBranch_px, 1.1, random);
+    right = seen(texture, slope, kBackground_px, branch_px, 1.1, random);
     is_branch = cv::Mat::zeros(left.size(), CV_8U);
     for (int u = 40; u < left.cols - 40; ++u) is_branch.at<std::uint8_t>(cvRound(row(slope, u)), u) = 255;
   }
@@ -60,6 +61,18 @@ TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
   LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+}
+
+TEST(LevelMatcher, TellsFractionsOfAPixel) {
+  const auto found_px = [](double branch_px) {
+    const Pair pair(0.08, 2.0, branch_px);
+    cv::Mat disparity_px = background(pair);
+    LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+    const cv::Mat found = (disparity_px > branch_px - 1.5) & (disparity_px < branch_px + 1.5) & pair.is_branch;
+    return cv::mean(disparity_px, found)[0];
+  };
+  EXPECT_NEAR(found_px(11.0) - found_px(10.7), 0.3, 0.1);
+  EXPECT_NEAR(found_px(11.3) - found_px(11.0), 0.3, 0.1);
 }
 
 TEST(LevelMatcher, FindsOneThatIsAllButLevelAsTheMiddleOfAThinThingHoldsNothingOfItsBackground) {
