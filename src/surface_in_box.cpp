@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 namespace flight_corridor {
 
@@ -41,26 +41,23 @@ double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) 
 }
 
 bool SurfaceInBox::isSolid() const {
-  const cv::Size size = geometry_.size() / kStep_px;
-  cv::Mat in_box(size, CV_8U), depth_m(size, CV_32F), points;
-  for (int v = 0; v < size.height; ++v) {
-    for (int u = 0; u < size.width; ++u) {
-      const float here_m = depth_m.at<float>(v, u) = depth_m_.at<float>(kStep_px * v, kStep_px * u);
+  cv::Mat in_box(geometry_.size() / kStep_px, CV_8U);  // of every kStep_px-th pixel
+  const cv::Rect all({}, in_box.size());
+  const auto depth_m = [&](int u, int v) { return depth_m_.at<float>(kStep_px * v, kStep_px * u); };
+  for (int v = 0; v < in_box.rows; ++v) {
+    for (int u = 0; u < in_box.cols; ++u) {
+      const double here_m = depth_m(u, v);
       in_box.at<std::uint8_t>(v, u) =
           here_m < kInfinity && isInBox(geometry_.point(kStep_px * u, kStep_px * v, here_m));
     }
   }
-  cv::integral(in_box, points, CV_32S);
   const StereoCalibration& rig = geometry_.calibration();
-  for (int v = 0; v < size.height; ++v) {
-    for (int u = 0; u < size.width; ++u) {
+  for (int v = 0; v < in_box.rows; ++v) {
+    for (int u = 0; u < in_box.cols; ++u) {
       if (!in_box.at<std::uint8_t>(v, u)) continue;
-      const double points_m = kSolid_m / (kStep_px * depth_m.at<float>(v, u));
-      const int right = u + cvCeil(rig.fx_px * points_m), below = v + cvCeil(rig.fy_px * points_m);
-      if (right > size.width || below > size.height) continue;
-      const int inside =
-          points.at<int>(below, right) - points.at<int>(v, right) - points.at<int>(below, u) + points.at<int>(v, u);
-      if (inside == (right - u) * (below - v)) return true;
+      const double points_per_px = kSolid_m / (kStep_px * depth_m(u, v));
+      const cv::Rect square(u, v, cvCeil(rig.fx_px * points_per_px), cvCeil(rig.fy_px * points_per_px));
+      if ((square & all) == square && cv::countNonZero(in_box(square)) == square.area()) return true;
     }
   }
   return false;
