@@ -226,13 +226,6 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   return occupancy;
 }
 
-/// Whether what blocks is so large that no image loses it.
-bool Pipeline::isSolid() const {
-  return SurfaceInBox(config_.map, geometry_, depth_.filled_m, report_.scale_sigma, Eigen::Isometry3d::Identity(),
-                      boxInCamera())
-      .isSolid();
-}
-
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
   const CorridorOccupancy occupancy = inspectCorridor();
@@ -246,12 +239,12 @@ void Pipeline::decide() {
   because(std::isfinite(occupancy.clear_distance_m), kOccupiedCell);
   because(beam_end_m.has_value(), kShortRange);
   const bool blocked = verdict.reasons != 0;
-  if (blocked && !isSolid()) thin_s_ = verdict.stamp_s;
+  if (blocked) blocked_s_ = verdict.stamp_s;
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(is_unmatched_, kUnmatched);
-  because(!blocked && std::abs(verdict.stamp_s - thin_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
+  because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
   because(report_.range.disagreement, kDisagreement);
   because(std::isnan(report_.range_lidar_m) || lidar_.isSlow(verdict.stamp_s), kNoLidar);
   because(lidar_.isRejected(), kLidarRejected);
@@ -265,13 +258,8 @@ State Pipeline::state(std::uint32_t reasons) const {
 }
 
 /// A nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere. One that is farther
-/// than stereo says nothing against the cloud.
-bool Pipeline::isCloudTooFar() const {
-  const RangeEstimate& range = report_.range;
-  const double lidar_m = report_.range_lidar_m;
-  return range.disagreement && range.range_m < range.disagreeing_m &&
-         std::abs(lidar_m - range.range_m) < std::abs(lidar_m - range.disagreeing_m);
-}
+/// says nothing against the cloud.
+bool Pipeline::isCloudTooFar() const { return report_.range.stereo_disagrees && std::isfinite(report_.range_lidar_m); }
 
 UnmatchedTexture Pipeline::unmatchedTexture() const {
   return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth()};
@@ -339,7 +327,7 @@ void Pipeline::reset() {
   map_.clear();
   lidar_ = LidarWatch();
   images_ = ImageWatch();
-  thin_s_ = -kInfinity;
+  blocked_s_ = -kInfinity;
   report_ = Report();
   pair_ = StereoFrame();
   disparity_ = Disparity();

@@ -103,6 +103,7 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
     if (recent && track.gatedFor() >= config_.lasting_s) {
       estimate.disagreement = true;
       estimate.disagreeing_m = track.gated_m;
+      estimate.stereo_disagrees = &track == &now.tracks[1];
     }
   }
   return estimate;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <opencv2/core.hpp>
 
 namespace flight_corridor {
 
@@ -12,8 +11,6 @@ namespace {
 
 constexpr double kEdge_px = 4.0;          // so far block matching may move a surface's edge
 constexpr double kFarther_px = 1.0;       // so much farther a surface may turn out to be when it is seen from nearer
-constexpr double kSolid_m = 0.2;          // of its side; thin things grow by a few pixels when they are matched
-constexpr int kStep_px = 4;               // between the pixels that are asked about it
 constexpr double kUncertainShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma; of
                                           // a cell's rays that may have no end
 
@@ -38,29 +35,6 @@ double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) 
   const auto begin = begins_m_.begin() + static_cast<std::ptrdiff_t>(kUncertainShare * begins_m_.size());
   std::nth_element(begins_m_.begin(), begin, begins_m_.end());
   return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
-}
-
-bool SurfaceInBox::isSolid() const {
-  cv::Mat in_box(geometry_.size() / kStep_px, CV_8U);  // of every kStep_px-th pixel
-  const cv::Rect all({}, in_box.size());
-  const auto depth_m = [&](int u, int v) { return depth_m_.at<float>(kStep_px * v, kStep_px * u); };
-  for (int v = 0; v < in_box.rows; ++v) {
-    for (int u = 0; u < in_box.cols; ++u) {
-      const double here_m = depth_m(u, v);
-      in_box.at<std::uint8_t>(v, u) =
-          here_m < kInfinity && isInBox(geometry_.point(kStep_px * u, kStep_px * v, here_m));
-    }
-  }
-  const StereoCalibration& rig = geometry_.calibration();
-  for (int v = 0; v < in_box.rows; ++v) {
-    for (int u = 0; u < in_box.cols; ++u) {
-      if (!in_box.at<std::uint8_t>(v, u)) continue;
-      const double points_per_px = kSolid_m / (kStep_px * depth_m(u, v));
-      const cv::Rect square(u, v, cvCeil(rig.fx_px * points_per_px), cvCeil(rig.fy_px * points_per_px));
-      if ((square & all) == square && cv::countNonZero(in_box(square)) == square.area()) return true;
-    }
-  }
-  return false;
 }
 
 /// Whether the image tells what is in a cell: points that make a hit; or none in the box, and nearly all rays end in

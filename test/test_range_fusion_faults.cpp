@@ -60,6 +60,21 @@ TEST(RangeFusionFaults, InLastingDisagreementTheNearerSensorRules) {
     EXPECT_TRUE(estimate.disagreement);
     EXPECT_NEAR(estimate.range_m, 3.0, 0.2);
     EXPECT_NEAR(estimate.disagreeing_m, 12.0, 1e-9);
+    EXPECT_EQ(estimate.stereo_disagrees, !lidar_is_wrong);
+  }
+}
+
+TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateItsReadingsAre) {
+  constexpr double kLate_s = 0.2;
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 20; ++i) {  // at 4 m/s; stereo at 4 Hz tells a quarter too much
+    const double stamp = 1.0 + 0.05 * i, true_m = 9.0 - 4.0 * (stamp - 1.0);
+    fusion.add(Sensor::Lidar, stamp - kLate_s, true_m + 4.0 * kLate_s, kLidarVariance_m2);
+    if (i % 5 != 0) continue;
+    fusion.add(Sensor::Stereo, stamp, 1.25 * true_m, kStereoVariance_m2);
+    if (i < 10) continue;  // 0.2 s are lasting
+    EXPECT_TRUE(fusion.at(stamp).stereo_disagrees) << stamp;
+    EXPECT_NEAR(fusion.at(stamp).range_m, true_m, 0.3) << stamp;
   }
 }
 

@@ -70,21 +70,6 @@ TEST(SurfaceInBox, CellsThatTheImageDoesNotShowAreAllThatIsKnown) {
   EXPECT_EQ(begin(strip(3.06f, -9.0, 9.0), {0.65, 0.05, -3.05}), kNear_m) << "behind the camera";
 }
 
-bool isSolid(const cv::Mat& depth_m) {
-  return SurfaceInBox(MapConfig(), kGeometry, depth_m, 0.0, kHere, corridor(kHere)).isSolid();
-}
-
-TEST(SurfaceInBox, WhatIsWideAndHighIsSolid) {
-  EXPECT_TRUE(isSolid(strip(3.06f, 0.0, 0.25)));
-  EXPECT_FALSE(isSolid(strip(3.06f, 0.0, 0.15))) << "thin";
-  EXPECT_FALSE(isSolid(strip(4.06f, -1.0, 1.0))) << "behind the box";
-  EXPECT_FALSE(isSolid(strip(3.06f, 0.5, 1.0))) << "hardly in the box";
-  EXPECT_FALSE(isSolid(strip(3.06f, 9.0, 9.0))) << "nothing";
-  cv::Mat with_holes = strip(3.06f, -1.0, 1.0);
-  for (int u = 0; u < with_holes.cols; u += 12) with_holes.col(u).setTo(kNothing);
-  EXPECT_FALSE(isSolid(with_holes));
-}
-
 TEST(SurfaceInBox, SurfacesThatAWrongScaleMayHaveMovedOutAreInIt) {
   EXPECT_EQ(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.01), kInfinity);
   EXPECT_NEAR(begin(strip(3.06f, 0.655, 1.0), kBesideRight_C, 0.09), 3.06, 1e-6);

@@ -119,7 +119,6 @@ class Pipeline {
   double lidarRange(double stamp_s) const;
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
-  bool isSolid() const;
   void decide();
   State state(std::uint32_t reasons) const;
   bool isCloudTooFar() const;
@@ -140,7 +139,7 @@ class Pipeline {
       frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now
   Corridor corridor_;
 
-  double thin_s_ = -kInfinity;  // stamp of the last BLOCKED by what an image may lose
+  double blocked_s_ = -kInfinity;  // stamp of the last BLOCKED
   LidarWatch lidar_;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair

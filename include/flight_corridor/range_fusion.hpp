@@ -31,8 +31,9 @@ struct RangeEstimate {
   double range_m = kNaN;  ///< d_K along the beam; NaN unless two readings agreed and one came within fusion/max_gap_s.
   double sigma_m = kNaN;
   double rate_mps = kNaN;
-  bool disagreement = false;    ///< One sensor is lastingly outside the other's gate.
-  double disagreeing_m = kNaN;  ///< What that sensor says.
+  bool disagreement = false;      ///< One sensor is lastingly outside the other's gate.
+  double disagreeing_m = kNaN;    ///< What that sensor says.
+  bool stereo_disagrees = false;  ///< That sensor is stereo, perhaps both are: the range follows a nearer LiDAR.
 };
 
 /// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at

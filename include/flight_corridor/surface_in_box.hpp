@@ -27,10 +27,6 @@ class SurfaceInBox {
   /// that it may be in it; near_m where the image does not show that: then the cell is all that is known.
   double begin(const Eigen::Vector3d& cell_centre_M, double near_m);
 
-  /// Whether the image shows something in the box, or its edge, that is so wide and high that no image loses it: all of
-  /// a square of kSolid_m.
-  bool isSolid() const;
-
  private:
   bool isShown(const Eigen::Vector3d& centre_C);
   cv::Rect pixels(const Eigen::Vector3d& cell_centre_C) const;

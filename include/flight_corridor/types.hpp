@@ -85,7 +85,7 @@ enum Reason : std::uint32_t {
                        ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
-  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something thin did within corridor/hold_s.
+  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
   kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
 };
