@@ -98,12 +98,13 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   estimate.range_m = now.mean[0];
   estimate.sigma_m = std::sqrt(now.covariance(0, 0));
   estimate.rate_mps = now.mean[1];
-  for (const SensorTrack& track : now.tracks) {
+  for (const Sensor sensor : {Sensor::Lidar, Sensor::Stereo}) {
+    const SensorTrack& track = now.tracks[static_cast<std::size_t>(sensor)];
     const bool recent = stamp_s - track.gated_s <= config_.max_gap_s;
     if (recent && track.gatedFor() >= config_.lasting_s) {
       estimate.disagreement = true;
       estimate.disagreeing_m = track.gated_m;
-      estimate.stereo_disagrees = &track == &now.tracks[1];
+      estimate.stereo_disagrees = sensor == Sensor::Stereo;
     }
   }
   return estimate;
