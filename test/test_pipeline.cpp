@@ -150,16 +150,16 @@ TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
 
 TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  std::uint32_t all = 0;
-  for (int i = 0; i < 100; ++i) {  // the beam passes what the footprint shows at 7 m
+  bool followed = false;           // the LiDAR, until the frame that tells of the disagreement
+  for (int i = 0; i < 150; ++i) {  // the beam passes what the footprint shows at 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 14.0 + 0.001 * (i % 2)));
-    if (i % 10 != 9) continue;
+    if (i % 25 != 24) continue;  // 4 Hz: the two take turns
     const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict;
     EXPECT_EQ(verdict.state, State::Free) << stamp;
-    all |= verdict.reasons;
+    followed |= (verdict.reasons & kDisagreement) && !(verdict.reasons & kNoLidar);
   }
-  EXPECT_TRUE(all & kDisagreement);
+  EXPECT_TRUE(followed);
 }
 
 TEST(Pipeline, ALidarThatRepeatsItselfTeachesNoScale) {
