@@ -178,6 +178,7 @@ bool RangeFusion::isBefore(const Reading& lidar, const Filter& filter) const {
 Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
   SensorTrack& own = filter.tracks[track(reading)];
   const auto accept = [&](Outcome outcome) {
+    own.period_s = reading.stamp_s - own.accepted_s;
     own.accepted_s = reading.stamp_s;
     own.gated_since_s = own.gated_s = kNaN;
     return outcome;
@@ -253,15 +254,19 @@ bool RangeFusion::rulesAlone(const Filter& filter, const Reading& reading) const
   const SensorTrack& own = filter.tracks[track(reading)];
   const SensorTrack& other = filter.tracks[1 - track(reading)];
   const bool lasting = reading.stamp_s - own.gated_since_s >= config_.lasting_s;
-  const bool other_silent = reading.stamp_s - other.accepted_s > config_.lasting_s;
-  return lasting && (other_silent || reading.value < filter.mean[0]);
+  return lasting && (!isFollowed(other, reading.stamp_s) || reading.value < filter.mean[0]);
+}
+
+/// Whether the estimate still is a sensor's: between its readings it is not silent, nor while they are on their way.
+bool RangeFusion::isFollowed(const SensorTrack& track, double stamp_s) const {
+  return stamp_s - track.accepted_s <= std::min(track.period_s, config_.max_gap_s) + config_.lasting_s;
 }
 
 /// Whoever the present estimate followed is in lasting disagreement from now on.
 void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
-  if (stamp_s - followed.accepted_s > config_.lasting_s) return;
+  if (!isFollowed(followed, stamp_s)) return;
   followed.gated_s = stamp_s;
-  followed.gated_since_s = stamp_s - config_.lasting_s;
+  followed.gated_since_s = -kInfinity;
   followed.gated_m = filter.mean[0];
   followed.gated_variance_m2 = filter.covariance(0, 0);
 }

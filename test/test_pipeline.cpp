@@ -154,7 +154,7 @@ TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud)
   for (int i = 0; i < 150; ++i) {  // the beam passes what the footprint shows at 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 14.0 + 0.001 * (i % 2)));
-    if (i % 25 != 24) continue;  // 4 Hz: the two take turns
+    if (i % 25 != 24) continue;
     const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict;
     EXPECT_EQ(verdict.state, State::Free) << stamp;
     followed |= (verdict.reasons & kDisagreement) && !(verdict.reasons & kNoLidar);

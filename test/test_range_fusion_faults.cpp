@@ -78,6 +78,22 @@ TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateIts
   }
 }
 
+TEST(RangeFusionFaults, SensorsThatDifferTakeNoTurnsHoweverSlowOneIs) {
+  for (const bool lidar_is_slow : {true, false}) {
+    RangeFusion fusion((FusionConfig()));
+    for (int i = 0; i < 200; ++i) {  // one at 100 Hz, one at 3 Hz; the nearer one rules
+      const double stamp = 0.01 * i;
+      const bool slow_too = i % 33 == 0;
+      if (slow_too || !lidar_is_slow) fusion.add(Sensor::Lidar, stamp, lidar_is_slow ? 5.0 : 14.0, kLidarVariance_m2);
+      if (slow_too || lidar_is_slow) fusion.add(Sensor::Stereo, stamp, 7.0, kStereoVariance_m2);
+      if (i < 100) continue;
+      EXPECT_TRUE(fusion.at(stamp).disagreement) << stamp;
+      EXPECT_EQ(fusion.at(stamp).stereo_disagrees, lidar_is_slow) << stamp;
+      EXPECT_NEAR(fusion.at(stamp).range_m, lidar_is_slow ? 5.0 : 7.0, 0.2) << stamp;
+    }
+  }
+}
+
 TEST(RangeFusionFaults, ASlowCameraTooRulesWhenItIsNearer) {
   RangeFusion fusion((FusionConfig()));
   for (int i = 0; i < 200; ++i) {  // a LiDAR 9 m off while stereo, at 5 Hz, saw nothing for a while

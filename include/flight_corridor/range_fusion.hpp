@@ -64,7 +64,7 @@ class RangeFusion {
     double stamp_s, value, variance_m2;  // value: range [m] or acceleration [m/s^2]
   };
   struct SensorTrack {  // per-sensor memory that the gate needs
-    double accepted_s = -kInfinity;
+    double accepted_s = -kInfinity, period_s = kInfinity;  // of the accepted readings, the newest two
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
     bool outlier = false;  // the last gated reading told of something else, and was passed over
@@ -106,6 +106,7 @@ class RangeFusion {
   void remember(SensorTrack& track, const Reading& reading) const;
   bool bothJumped(const Filter& filter, const Reading& reading) const;
   bool rulesAlone(const Filter& filter, const Reading& reading) const;
+  bool isFollowed(const SensorTrack& track, double stamp_s) const;
   void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
   bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
   bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
