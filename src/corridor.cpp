@@ -11,10 +11,8 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kTouch_m = 1e-6;       // cells that rounding parts from the box still touch it
-constexpr double kRounding_m = 1e-9;    // centres that rounding puts outside of the plane that they lie on are inside
-constexpr double kLongest_m = 100.0;    // side of a box, as of the configured corridor
-constexpr double kLargest_cells = 1e6;  // on a box's surface: these are what counting costs, up to about 20 ms
+constexpr double kTouch_m = 1e-6;     // cells that rounding parts from the box still touch it
+constexpr double kRounding_m = 1e-9;  // centres that rounding puts outside of the plane that they lie on are inside
 
 using Node = octomap::OcTreeNode;
 
@@ -163,37 +161,9 @@ class CellCount {
   std::int64_t cells_ = 0, unknown_cells_ = 0;
 };
 
-Eigen::Vector3d centre(const Box& box) { return box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0); }
-
 bool isWithin(const octomap::OcTree& tree, const Box& box) {
   const Eigen::Vector3d reach_M = 0.5 * (box.T_M_F.linear().cwiseAbs() * box.size_m);
   return ((centre(box).cwiseAbs() + reach_M).array() <= 0.5 * tree.getNodeSize(0)).all();
-}
-
-ConvexRegion inside(const Box& box) {
-  ConvexRegion region_M(4, 6);
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d normal_M = box.T_M_F.linear().col(axis);
-    const double middle_m = normal_M.dot(centre(box)), half_m = 0.5 * box.size_m[axis];
-    region_M.col(2 * axis) << normal_M, half_m - middle_m;
-    region_M.col(2 * axis + 1) << -normal_M, half_m + middle_m;
-  }
-  return region_M;
-}
-
-/// What lies farther along the box's axis.
-ConvexRegion beyond(const Box& box, double distance_m) {
-  const Eigen::Vector3d forward_M = box.T_M_F.linear().col(0);
-  ConvexRegion region_M(4, 1);
-  region_M << forward_M, -forward_M.dot(box.T_M_F.translation()) - distance_m;
-  return region_M;
-}
-
-ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other) {
-  ConvexRegion both(4, one.cols() + other.cols());
-  both.leftCols(one.cols()) = one;
-  both.rightCols(other.cols()) = other;
-  return both;
 }
 
 }  // namespace
@@ -216,44 +186,6 @@ Violations check(const CorridorConfig& config) {
   rules.require(0.0 <= config.hold_s && config.hold_s <= 10.0, "hold_s", "0 to 10", config.hold_s);
   rules.require(config.max_age_s > 0.0, "max_age_s", "positive", config.max_age_s);
   return rules.broken();
-}
-
-Violations check(const Box& box, double cell_m) {
-  Rules rules("box");
-  const Eigen::Vector3d start_M = box.T_M_F.translation();
-  const char* const kSides[] = {"length_m", "width_m", "height_m"};
-  for (int axis = 0; axis < 3; ++axis) {
-    rules.require(std::isfinite(start_M[axis]), "position", "finite", start_M[axis]);
-    rules.require(0.0 < box.size_m[axis] && box.size_m[axis] <= kLongest_m, kSides[axis], "above 0, up to 100",
-                  box.size_m[axis]);
-  }
-  rules.require(box.T_M_F.linear().isUnitary(kTouch_m), "orientation", "a rotation", box.T_M_F.linear().determinant());
-  const Eigen::Vector3d others_m(box.size_m.y(), box.size_m.z(), box.size_m.x());
-  const double surface_m2 = 2.0 * box.size_m.dot(others_m);
-  const double surface_cells = surface_m2 / (cell_m * cell_m);
-  rules.require(surface_cells <= kLargest_cells, "surface", "up to 1000000 of the map's cells", surface_cells);
-  return rules.broken();
-}
-
-/// Projections of both bodies overlap on every candidate axis: 3 of the cube, 3 of the box, 9 cross products.
-bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m) {
-  const Eigen::Matrix3d& R = box.T_M_F.linear();
-  const Eigen::Vector3d half = 0.5 * box.size_m;
-  const Eigen::Vector3d between_M = cube_centre_M - centre(box);
-  const auto overlap = [&](const Eigen::Vector3d& axis_M) {
-    const double cube_reach = 0.5 * cube_edge_m * axis_M.lpNorm<1>();
-    const double box_reach = (R.transpose() * axis_M).cwiseAbs().dot(half);
-    return std::abs(axis_M.dot(between_M)) <= cube_reach + box_reach + kTouch_m;
-  };
-  for (int i = 0; i < 3; ++i) {
-    if (!overlap(Eigen::Vector3d::Unit(i)) || !overlap(R.col(i))) return false;
-  }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      if (!overlap(Eigen::Vector3d::Unit(i).cross(R.col(j)))) return false;
-    }
-  }
-  return true;
 }
 
 CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const ConvexRegion& needed_M,

@@ -28,8 +28,6 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-void append(Violations& all, const Violations& some) { all.insert(all.end(), some.begin(), some.end()); }
-
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
 const Config& valid(const Config& config) {
@@ -38,22 +36,6 @@ const Config& valid(const Config& config) {
 }
 
 }  // namespace
-
-Violations check(const Config& config) {
-  Violations broken;
-  append(broken, check(config.stereo));
-  append(broken, check(config.lidar));
-  append(broken, check(config.fusion));
-  append(broken, check(config.scale));
-  append(broken, check(config.cloud));
-  append(broken, check(config.map));
-  append(broken, check(config.corridor));
-  Rules rules("map");
-  rules.require(config.map.max_range_m >= config.corridor.length_m + config.corridor.margin_m, "max_range_m",
-                "no less than corridor/length_m + corridor/margin_m", config.map.max_range_m);
-  append(broken, rules.broken());
-  return broken;
-}
 
 Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig)
     : config_(valid(config)),
@@ -303,14 +285,9 @@ std::optional<double> Pipeline::beamEndInBox() const {
   }
   if (!std::isfinite(nearest_m)) return std::nullopt;
   const Box box = boxInCamera();
-  const auto along = [&](double beam_m) -> Eigen::Vector3d { return box.T_M_F.inverse() * beam_.point(beam_m); };
-  const auto is_inside = [&](const Eigen::Vector3d& p_F) {
-    return 0.0 <= p_F.x() && p_F.x() < box.size_m.x() && 2.0 * std::abs(p_F.y()) <= box.size_m.y() &&
-           2.0 * std::abs(p_F.z()) <= box.size_m.z();
-  };
-  const Eigen::Vector3d end_F = along(range_m);
-  if (!is_inside(end_F) && !is_inside(along(nearest_m))) return std::nullopt;  // a large sigma reaches behind the box
-  return std::clamp(end_F.x(), 0.0, box.size_m.x());
+  const bool ends_inside = contains(box, beam_.point(range_m)) || contains(box, beam_.point(nearest_m));
+  if (!ends_inside) return std::nullopt;  // a large sigma reaches behind the box
+  return std::clamp((box.T_M_F.inverse() * beam_.point(range_m)).x(), 0.0, box.size_m.x());
 }
 
 const Cloud& Pipeline::cloud() {

@@ -6,22 +6,16 @@
 #include <string>
 
 #include "flight_corridor/corridor.hpp"
-#include "sim/truth.hpp"
+#include "support/random_pose.hpp"
 
 namespace flight_corridor {
 namespace {
 
+using test_support::randomPose;
+
 constexpr double kResolution_m = 0.1;
 
 const ConvexRegion kEverywhere;
-
-Eigen::Isometry3d randomPose(std::mt19937& random, double reach_m) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = reach_m * Eigen::Vector3d(unit(random), unit(random), unit(random));
-  pose.rotate(Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized());
-  return pose;
-}
 
 octomap::OcTreeKey keyOf(int x, int y, int z) {
   return {static_cast<octomap::key_type>(32768 + x), static_cast<octomap::key_type>(32768 + y),
@@ -197,56 +191,6 @@ TEST(Corridor, ABoxThatReachesOutOfTheOctreeIsUnknown) {
   EXPECT_EQ(inspectBox(tree, box, kEverywhere).unknown_fraction, 1.0);
   box.T_M_F.translation().x() = 1e300;
   EXPECT_EQ(inspectBox(tree, box, kEverywhere).unknown_fraction, 1.0);
-}
-
-TEST(Corridor, ImpossibleBoxesAreNamed) {
-  const Box good{Eigen::Isometry3d::Identity(), {4.0, 1.2, 0.4}};
-  EXPECT_EQ(check(good, kResolution_m), Violations());
-  const auto names = [&](const Box& box, const std::string& key) {
-    const Violations broken = check(box, kResolution_m);
-    return std::any_of(broken.begin(), broken.end(), [&](const std::string& rule) { return rule.find(key) == 0; });
-  };
-  for (const double size_m : {0.0, -1.0, 100.1, kNaN, kInfinity}) {
-    Box box = good;
-    box.size_m.y() = size_m;
-    EXPECT_TRUE(names(box, "box/width_m")) << size_m;
-  }
-  Box box = good;
-  box.T_M_F.translation().z() = kNaN;
-  EXPECT_TRUE(names(box, "box/position"));
-  box = good;
-  box.T_M_F.linear() *= 2.0;
-  EXPECT_TRUE(names(box, "box/orientation"));
-  box.T_M_F.linear().setConstant(kNaN);
-  EXPECT_TRUE(names(box, "box/orientation"));
-  box = good;
-  box.size_m.setConstant(41.0);  // 6 faces of 410 x 410 cells
-  EXPECT_TRUE(names(box, "box/surface"));
-}
-
-TEST(Corridor, BoxAndCubeMeetExactlyWhenASharedPointExists) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  int met = 0;
-  for (int trial = 0; trial < 2000; ++trial) {
-    Box box;
-    box.T_M_F = randomPose(random, 0.5);
-    box.size_m = {1.0, 0.6, 0.3};
-    const Eigen::Vector3d centre(unit(random), unit(random), unit(random));
-    const auto cube = [&](double edge) {
-      return sim::makeBox(centre, Eigen::Vector3d::Constant(edge), sim::Material());
-    };
-    // The simulation's test is another algorithm, exact to 1e-6 m: between a slightly smaller and larger cube both
-    // agree.
-    const bool surely = sim::overlaps(box.T_M_F, box.size_m, cube(0.4 - 1e-4));
-    const bool possibly = sim::overlaps(box.T_M_F, box.size_m, cube(0.4 + 1e-4));
-    const bool answer = intersects(box, centre, 0.4);
-    EXPECT_TRUE(answer || !surely) << "trial " << trial;
-    EXPECT_TRUE(!answer || possibly) << "trial " << trial;
-    met += answer;
-  }
-  EXPECT_GT(met, 100);
-  EXPECT_LT(met, 1900);
 }
 
 TEST(Corridor, AnEmptyMapIsUnknownAltogether) {

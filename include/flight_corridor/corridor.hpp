@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "flight_corridor/box.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
@@ -24,20 +25,6 @@ struct CorridorConfig {
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };
 Violations check(const CorridorConfig& config);
-
-/// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z
-/// (up).
-struct Box {
-  Eigen::Isometry3d T_M_F = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d size_m{0, 0, 0};
-};
-
-/// What is wrong with a box of any place and size: a pose that is none, sides that are not above 0 and up to 100 m, or
-/// so large a surface that looking at it would take longer than a frame.
-Violations check(const Box& box, double cell_m);
-
-/// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
-bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
 
 /// What the octree says of a box.
 struct CorridorOccupancy {

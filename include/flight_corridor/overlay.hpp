@@ -1,8 +1,10 @@
 #pragma once
 
+#include <octomap/OcTree.h>
+
 #include <opencv2/core/mat.hpp>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/box.hpp"
 #include "flight_corridor/range_fusion.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"

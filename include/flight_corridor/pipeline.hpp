@@ -5,6 +5,7 @@
 
 #include "flight_corridor/beam_footprint.hpp"
 #include "flight_corridor/cloud_builder.hpp"
+#include "flight_corridor/config.hpp"
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/image_watch.hpp"
@@ -18,19 +19,6 @@
 #include "flight_corridor/unmatched_texture.hpp"
 
 namespace flight_corridor {
-
-/// Every module's configuration; the YAML's sections bear the members' names.
-struct Config {
-  StereoConfig stereo;
-  LidarConfig lidar;
-  FusionConfig fusion;
-  ScaleConfig scale;
-  CloudConfig cloud;
-  MapConfig map;
-  CorridorConfig corridor;
-};
-/// Every broken rule of every section.
-Violations check(const Config& config);
 
 struct StageTimes {
   double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;

@@ -63,7 +63,8 @@ class RangeFusion {
     Kind kind;
     double stamp_s, value, variance_m2;  // value: range [m] or acceleration [m/s^2]
   };
-  struct SensorTrack {  // per-sensor memory that the gate needs
+  /// Per-sensor memory that the gate needs.
+  struct SensorTrack {
     double accepted_s = -kInfinity, period_s = kInfinity;  // of the accepted readings, the newest two
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;

@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/box.hpp"
 #include "flight_corridor/hit_rule.hpp"
 #include "flight_corridor/map_config.hpp"
 #include "flight_corridor/stereo_geometry.hpp"

@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/box.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"

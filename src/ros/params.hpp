@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "flight_corridor/pipeline.hpp"
+#include "flight_corridor/config.hpp"
 #include "ros/values.hpp"
 
 namespace flight_corridor_ros {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+/// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z
+/// (up).
+struct Box {
+  Eigen::Isometry3d T_M_F = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d size_m{0, 0, 0};
+};
+
+/// What is wrong with a box of any place and size: a pose that is none, sides that are not above 0 and up to 100 m, or
+/// so large a surface that looking at it would take longer than a frame.
+Violations check(const Box& box, double cell_m);
+
+Eigen::Vector3d centre(const Box& box);
+
+/// Whether a point is in a box. The far end is not: what begins there is farther than D_min.
+bool contains(const Box& box, const Eigen::Vector3d& point_M);
+
+/// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
+bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
+
+/// The box as a region of M.
+ConvexRegion inside(const Box& box);
+
+/// What lies farther along the box's axis than a distance.
+ConvexRegion beyond(const Box& box, double distance_m);
+
+ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other);
+
+}  // namespace flight_corridor

@@ -1,0 +1,37 @@
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "flight_corridor/config.hpp"
+
+namespace flight_corridor {
+namespace {
+
+TEST(Config, DefaultsBreakNoRule) { EXPECT_TRUE(check(Config()).empty()); }
+
+TEST(Config, EveryBrokenRuleIsReportedAtOnceWithKeyAndValue) {
+  Config config;
+  config.corridor.width_m = -1.0;
+  config.stereo.block_size_px = 4;
+  config.map.resolution_m = kNaN;
+  try {
+    throwIfBroken(check(config));
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("corridor/width_m"), std::string::npos);
+    EXPECT_NE(text.find("(-1)"), std::string::npos);
+    EXPECT_NE(text.find("stereo/block_size_px"), std::string::npos);
+    EXPECT_NE(text.find("map/resolution_m"), std::string::npos);
+  }
+}
+
+TEST(Config, AMapThatEndsBeforeTheCorridorIsRefused) {
+  Config config;
+  config.map.max_range_m = 3.0;
+  ASSERT_EQ(check(config).size(), 1u);
+  EXPECT_NE(check(config).front().find("map/max_range_m"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace flight_corridor
