@@ -8,6 +8,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
+constexpr double kFastest_mps = 10.0;        // a reading that takes a leap to more speed is of another surface
 constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
 constexpr double kSureOfRate = 1.0;          // sigmas
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
@@ -100,8 +101,7 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   estimate.rate_mps = now.mean[1];
   for (const Sensor sensor : {Sensor::Lidar, Sensor::Stereo}) {
     const SensorTrack& track = now.tracks[static_cast<std::size_t>(sensor)];
-    const bool recent = stamp_s - track.gated_s <= config_.max_gap_s;
-    if (recent && track.gatedFor() >= config_.lasting_s) {
+    if (isContradicted(track, stamp_s)) {
       estimate.disagreement = true;
       estimate.disagreeing_m = track.gated_m;
       estimate.stereo_disagrees = sensor == Sensor::Stereo;
@@ -186,31 +186,38 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
   const bool forgotten = !filter.initialised() || !(reading.stamp_s - filter.lastAccepted() <= config_.max_gap_s);
   if (forgotten) {
     filter.mean.setZero();
-    filter.tracks.fill(SensorTrack());
     filter.confirmed = false;
     initialise(filter, reading, kFirstRateSigma_mps);
     return accept(Outcome::Reinitialised);
   }
 
+  const double last_variance_m2 = filter.covariance(0, 0);
   filter = predicted(filter, reading.stamp_s);
   const double innovation = reading.value - filter.mean[0];
   const double innovation_variance = filter.covariance(0, 0) + reading.variance_m2;
-  // In lasting disagreement a sensor has to come closer to be believed again.
-  const double gate_sigma = (own.gatedFor() >= config_.lasting_s ? 0.5 : 1.0) * config_.gate_sigma;
-  if (squared(innovation) <= squared(gate_sigma) * innovation_variance) {
-    const Eigen::Vector2d gain = filter.covariance.col(0) / innovation_variance;
-    filter.mean += gain * innovation;
+  const bool other_may_be_nearer = innovation > 0.0 && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
+  // In lasting disagreement a sensor has to come closer to be believed again; a slower one's pause brings none closer.
+  const bool contradicted = isContradicted(own, reading.stamp_s);
+  const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
+  const double gate_variance =
+      contradicted && other_may_be_nearer ? last_variance_m2 + reading.variance_m2 : innovation_variance;
+  const Eigen::Vector2d gain = filter.covariance.col(0) / innovation_variance;
+  const Eigen::Vector2d change = gain * innovation;
+  const bool leaps = std::abs(change[1]) > kFirstRateSigma_mps && std::abs(filter.mean[1] + change[1]) > kFastest_mps;
+  if (squared(innovation) <= squared(gate_sigma) * gate_variance && !leaps) {
+    filter.mean += change;
     filter.covariance -= gain * filter.covariance.row(0).eval();
     filter.confirmed = true;
     return accept(Outcome::Accepted);
   }
 
   remember(own, reading);
-  if (filter.confirmed && !bothJumped(filter, reading)) {
+  if ((filter.confirmed || other_may_be_nearer) && !bothJumped(filter, reading)) {
     if (!rulesAlone(filter, reading)) return Outcome::Gated;
     contradict(filter.tracks[1 - track(reading)], filter, reading.stamp_s);
   }
-  initialise(filter, reading, kOtherRateSigma_mps);  // the rate is mostly our own: it stays
+  filter.mean[1] = std::clamp(filter.mean[1], -kFirstRateSigma_mps, kFirstRateSigma_mps);  // mostly our own: it stays
+  initialise(filter, reading, kOtherRateSigma_mps);
   return accept(Outcome::Reinitialised);
 }
 
@@ -260,6 +267,11 @@ bool RangeFusion::rulesAlone(const Filter& filter, const Reading& reading) const
 /// Whether the estimate still is a sensor's: between its readings it is not silent, nor while they are on their way.
 bool RangeFusion::isFollowed(const SensorTrack& track, double stamp_s) const {
   return stamp_s - track.accepted_s <= std::min(track.period_s, config_.max_gap_s) + config_.lasting_s;
+}
+
+/// Whether a sensor is in lasting disagreement with the estimate.
+bool RangeFusion::isContradicted(const SensorTrack& track, double stamp_s) const {
+  return stamp_s - track.gated_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
 }
 
 /// Whoever the present estimate followed is in lasting disagreement from now on.

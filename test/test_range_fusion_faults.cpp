@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "flight_corridor/range_fusion.hpp"
@@ -91,6 +92,52 @@ TEST(RangeFusionFaults, SensorsThatDifferTakeNoTurnsHoweverSlowOneIs) {
       EXPECT_EQ(fusion.at(stamp).stereo_disagrees, lidar_is_slow) << stamp;
       EXPECT_NEAR(fusion.at(stamp).range_m, lidar_is_slow ? 5.0 : 7.0, 0.2) << stamp;
     }
+  }
+}
+
+/// Range of two sensors that see one wall at rest each at its own place, from 3 s to 8 s.
+struct Extremes {
+  double least_m = kInfinity, most_m = -kInfinity;
+  int frames = 0, told = 0;  // of disagreement
+};
+
+Extremes atRest(double lidar_hz, double lidar_m, double stereo_hz, double stereo_m, double stereo_later_s) {
+  RangeFusion fusion((FusionConfig()));
+  Extremes extremes;
+  int lidar_readings = 0, stereo_readings = 0;
+  while (true) {
+    const double lidar_s = lidar_readings / lidar_hz, stereo_s = stereo_readings / stereo_hz + stereo_later_s;
+    const double stamp = std::min(lidar_s, stereo_s);
+    if (stamp > 8.0) return extremes;
+    if (lidar_s <= stereo_s) {
+      fusion.add(Sensor::Lidar, stamp, lidar_m + 0.01 * (lidar_readings++ % 3 - 1), kLidarVariance_m2);
+    } else {
+      fusion.add(Sensor::Stereo, stamp, stereo_m + 0.03 * (stereo_readings++ % 3 - 1), kStereoVariance_m2);
+    }
+    const RangeEstimate estimate = fusion.at(stamp);
+    if (stamp < 3.0) continue;
+    extremes.least_m = std::fmin(extremes.least_m, estimate.range_m);
+    extremes.most_m = std::isnan(estimate.range_m) ? kInfinity : std::max(extremes.most_m, estimate.range_m);
+    ++extremes.frames;
+    extremes.told += estimate.disagreement;
+  }
+}
+
+TEST(RangeFusionFaults, SensorsThatAlternateAndDifferAreToldApart) {
+  for (const double rate_hz : {10.0, 20.0}) {
+    for (const double later_s : {0.008, 0.5 / rate_hz, 1.0 / rate_hz - 0.008}) {
+      const Extremes extremes = atRest(rate_hz, 3.5, rate_hz, 5.0, later_s);
+      EXPECT_EQ(extremes.told, extremes.frames) << rate_hz << " Hz, " << later_s << " s";
+      EXPECT_NEAR(extremes.most_m, 3.5, 0.2) << rate_hz << " Hz, " << later_s << " s";
+    }
+  }
+}
+
+TEST(RangeFusionFaults, ARateThatTwoDifferingSensorsFeignDoesNotRunAway) {
+  for (double later_s = 0.01; later_s < 0.25; later_s += 0.01) {
+    const Extremes extremes = atRest(7.0, 3.0, 4.0, 3.75, later_s);
+    EXPECT_GT(extremes.least_m, 2.5) << later_s;
+    EXPECT_LT(extremes.most_m, 4.25) << later_s;
   }
 }
 

@@ -108,6 +108,7 @@ class RangeFusion {
   bool bothJumped(const Filter& filter, const Reading& reading) const;
   bool rulesAlone(const Filter& filter, const Reading& reading) const;
   bool isFollowed(const SensorTrack& track, double stamp_s) const;
+  bool isContradicted(const SensorTrack& track, double stamp_s) const;
   void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
   bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
   bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
