@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
-#include "sim/simulation.hpp"
 #include "support/calibrations.hpp"
 #include "support/parallel_wires.hpp"
 #include "support/pipeline_inputs.hpp"
@@ -293,33 +292,6 @@ TEST(Pipeline, TheCloudIsOfTheLastFrame) {
   EXPECT_NEAR(medianDepth(pipeline.cloud()), 3.0, 0.1);
   pipeline.process(wallFrame(kGeometry, 3, 1.1));
   EXPECT_NEAR(medianDepth(pipeline.cloud()), 7.0, 0.2);
-}
-
-TEST(Pipeline, AWholeApproachAgreesWithTheTruth) {
-  sim::SimulationOptions options;
-  options.scene = "wall";
-  options.seed = 3;
-  options.rate_hz = 5.0;
-  const sim::Simulation simulation(options);
-  Rig rig;
-  rig.T_C_L = simulation.T_B_C().inverse() * simulation.T_B_L();
-  Pipeline pipeline(Config(), StereoGeometry(simulation.calibration()), rig);
-  const std::vector<RangeReading> ranges = simulation.ranges();
-  auto next = ranges.begin();
-  int scored = 0;
-  for (std::size_t i = 0; i < simulation.frameTimes().size(); ++i) {
-    const StereoFrame frame = simulation.frame(i);
-    for (; next != ranges.end() && next->stamp_s <= frame.stamp_s; ++next) pipeline.addRange(*next);
-    const State state = pipeline.process(frame).verdict.state;
-    const sim::CorridorTruth truth = simulation.truth(i);
-    if (std::isfinite(truth.clear_exact_m)) {
-      EXPECT_EQ(state, State::Blocked) << "frame " << i;
-    } else if (!std::isfinite(truth.clear_inflated_m) && i > 0) {
-      EXPECT_NE(state, State::Unknown) << "frame " << i;
-    }
-    ++scored;
-  }
-  EXPECT_GT(scored, 20);
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ TEST(SceneFamilies, SayWhichOnesACameraCannotJudge) {
   for (const char* name : {"black_wall", "blank_wall", "dazzled", "glass", "mirror", "open_sky"}) {
     EXPECT_EQ(visibilityOf(name), Visibility::Unseeable) << name;
   }
+  EXPECT_EQ(visibilityOf("close_pole"), Visibility::TooNear);
   EXPECT_EQ(visibilityOf("glass_passed"), Visibility::Hidden);
   for (const char* name : {"dark_wall", "low_light", "low_sun", "wall", "wire"}) {
     EXPECT_EQ(visibilityOf(name), Visibility::Visible) << name;

@@ -30,6 +30,8 @@ const char* toString(Visibility visibility) {
       return "visible";
     case Visibility::Unseeable:
       return "unseeable";
+    case Visibility::TooNear:
+      return "too_near";
     case Visibility::Hidden:
       return "hidden";
   }

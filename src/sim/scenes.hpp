@@ -26,10 +26,11 @@ struct Scene {
 enum class Visibility : std::uint8_t {
   Visible,    ///< What blocks the corridor, and what stands beyond it when nothing does.
   Unseeable,  ///< Something is blank, black, glass, a mirror, sky or outshone: FREE is never a claim with evidence.
+  TooNear,    ///< Nearer than stereo's blind range at last: no image shows it, a map that remembers holds it.
   Hidden      ///< Neither the camera nor the LiDAR can tell that something is there.
 };
 
-/// "visible", "unseeable" or "hidden".
+/// "visible", "unseeable", "too_near" or "hidden".
 const char* toString(Visibility visibility);
 
 /// A family of scenes: one name, many seeds.

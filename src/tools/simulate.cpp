@@ -117,10 +117,10 @@ int main(int argc, char** argv) {
       .optional("disparity-offset", "PX", "measured minus true disparity; default: the scene's")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, see --list-lidar-faults", "none")
       .question("list", "print the names of the scenes", [] { return lines(flight_corridor::sim::sceneNames()); })
-      .question(
-          "families",
-          "print NAME,KIND of the scenes: visible, unseeable (FREE has no evidence) or hidden (no sensor can tell)",
-          familyLines)
+      .question("families",
+                "print NAME,KIND of the scenes: visible, unseeable (FREE has no evidence), too_near (for stereo) or "
+                "hidden (no sensor can tell)",
+                familyLines)
       .question("list-lidar-faults", "print the names of the LiDAR's faults",
                 [] { return lines(flight_corridor::sim::lidarFaultNames()); })
       .notes("The same options give the same flight.");

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "flight_corridor/pipeline.hpp"
+#include "sim/simulation.hpp"
+
+// Whole simulated flights against their truth.
+
+namespace flight_corridor {
+namespace {
+
+struct Answer {
+  State state;
+  sim::CorridorTruth truth;
+};
+
+std::vector<Answer> fly(const std::string& scene, double rate_hz, const Config& config) {
+  sim::SimulationOptions options;
+  options.scene = scene;
+  options.seed = 3;
+  options.rate_hz = rate_hz;
+  const sim::Simulation simulation(options);
+  Rig rig;
+  rig.T_C_L = simulation.T_B_C().inverse() * simulation.T_B_L();
+  Pipeline pipeline(config, StereoGeometry(simulation.calibration()), rig);
+  const std::vector<RangeReading> ranges = simulation.ranges();
+  auto next = ranges.begin();
+  std::vector<Answer> answers;
+  for (std::size_t i = 0; i < simulation.frameTimes().size(); ++i) {
+    const StereoFrame frame = simulation.frame(i);
+    for (; next != ranges.end() && next->stamp_s <= frame.stamp_s; ++next) pipeline.addRange(*next);
+    const Eigen::Isometry3d T_W_C = simulation.T_W_B(frame.stamp_s) * simulation.T_B_C();
+    answers.push_back({pipeline.process(frame, T_W_C).verdict.state, simulation.truth(i)});
+  }
+  return answers;
+}
+
+TEST(PipelineFlights, AWholeApproachAgreesWithTheTruth) {
+  const std::vector<Answer> answers = fly("wall", 5.0, Config());
+  EXPECT_GT(answers.size(), 20u);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto& [state, truth] = answers[i];
+    if (std::isfinite(truth.clear_exact_m)) {
+      EXPECT_EQ(state, State::Blocked) << "frame " << i;
+    } else if (!std::isfinite(truth.clear_inflated_m) && i > 0) {
+      EXPECT_NE(state, State::Unknown) << "frame " << i;
+    }
+  }
+}
+
+TEST(PipelineFlights, AMapThatRemembersHoldsWhatComesNearerThanStereoSees) {
+  constexpr double kBlind_m = 0.3;  // f*B/num_disparities is 0.33 m
+  Config config;
+  config.map.frame_id = "odom";
+  int blind = 0;
+  for (const auto& [state, truth] : fly("close_pole", 4.0, config)) {
+    EXPECT_EQ(state, State::Blocked) << truth.clear_exact_m << " m";
+    blind += truth.clear_exact_m < kBlind_m;
+  }
+  EXPECT_GE(blind, 2);
+}
+
+}  // namespace
+}  // namespace flight_corridor
