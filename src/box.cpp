@@ -6,7 +6,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kTouch_m = 1e-6;       // what rounding parts still touches
 constexpr double kLongest_m = 100.0;    // side of a box, as of the configured corridor
 constexpr double kLargest_cells = 1e6;  // on a box's surface: these are what counting costs, up to about 20 ms
 

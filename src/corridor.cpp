@@ -11,7 +11,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kTouch_m = 1e-6;     // cells that rounding parts from the box still touch it
 constexpr double kRounding_m = 1e-9;  // centres that rounding puts outside of the plane that they lie on are inside
 
 using Node = octomap::OcTreeNode;

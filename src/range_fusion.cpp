@@ -191,34 +191,46 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
     return accept(Outcome::Reinitialised);
   }
 
-  const double last_variance_m2 = filter.covariance(0, 0);
+  const double held_variance_m2 = filter.covariance(0, 0);
   filter = predicted(filter, reading.stamp_s);
-  const double innovation = reading.value - filter.mean[0];
-  const double innovation_variance = filter.covariance(0, 0) + reading.variance_m2;
-  const bool other_may_be_nearer = innovation > 0.0 && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
-  // In lasting disagreement a sensor has to come closer to be believed again; a slower one's pause brings none closer.
-  const bool contradicted = isContradicted(own, reading.stamp_s);
-  const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
-  const double gate_variance =
-      contradicted && other_may_be_nearer ? last_variance_m2 + reading.variance_m2 : innovation_variance;
-  const Eigen::Vector2d gain = filter.covariance.col(0) / innovation_variance;
-  const Eigen::Vector2d change = gain * innovation;
-  const bool leaps = std::abs(change[1]) > kFirstRateSigma_mps && std::abs(filter.mean[1] + change[1]) > kFastest_mps;
-  if (squared(innovation) <= squared(gate_sigma) * gate_variance && !leaps) {
-    filter.mean += change;
+  if (isWithinGate(filter, reading, held_variance_m2)) {
+    const double innovation = reading.value - filter.mean[0];
+    const Eigen::Vector2d gain = filter.covariance.col(0) / (filter.covariance(0, 0) + reading.variance_m2);
+    filter.mean += gain * innovation;
     filter.covariance -= gain * filter.covariance.row(0).eval();
     filter.confirmed = true;
     return accept(Outcome::Accepted);
   }
 
   remember(own, reading);
-  if ((filter.confirmed || other_may_be_nearer) && !bothJumped(filter, reading)) {
+  if ((filter.confirmed || isBeyondOther(filter, reading)) && !bothJumped(filter, reading)) {
     if (!rulesAlone(filter, reading)) return Outcome::Gated;
     contradict(filter.tracks[1 - track(reading)], filter, reading.stamp_s);
   }
   filter.mean[1] = std::clamp(filter.mean[1], -kFirstRateSigma_mps, kFirstRateSigma_mps);  // mostly our own: it stays
   initialise(filter, reading, kOtherRateSigma_mps);
   return accept(Outcome::Reinitialised);
+}
+
+/// Whether a reading can be of the surface that the filter, predicted to its stamp, follows. In lasting disagreement a
+/// sensor has to come closer to be believed again; a slower one's pause brings none closer.
+/// @param held_variance_m2 of the range before the prediction.
+bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const {
+  const bool contradicted = isContradicted(filter.tracks[track(reading)], reading.stamp_s);
+  const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
+  const double predicted_variance_m2 = filter.covariance(0, 0) + reading.variance_m2;
+  const double gate_variance_m2 =
+      contradicted && isBeyondOther(filter, reading) ? held_variance_m2 + reading.variance_m2 : predicted_variance_m2;
+  const double innovation = reading.value - filter.mean[0];
+  const double rate_change = filter.covariance(1, 0) / predicted_variance_m2 * innovation;
+  const bool leaps =
+      std::abs(rate_change) > kFirstRateSigma_mps && std::abs(filter.mean[1] + rate_change) > kFastest_mps;
+  return squared(innovation) <= squared(gate_sigma) * gate_variance_m2 && !leaps;
+}
+
+/// Whether a reading is farther than what the other sensor holds.
+bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) const {
+  return reading.value > filter.mean[0] && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
 }
 
 /// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart.

@@ -6,6 +6,8 @@
 
 namespace flight_corridor {
 
+constexpr double kTouch_m = 1e-6;  ///< What rounding parts by less still touches.
+
 /// Oriented box: starts at the origin of its frame F and reaches size.x along +x (forward), centred in y (left) and z
 /// (up).
 struct Box {
@@ -17,6 +19,7 @@ struct Box {
 /// so large a surface that looking at it would take longer than a frame.
 Violations check(const Box& box, double cell_m);
 
+/// Of the box, in M [m].
 Eigen::Vector3d centre(const Box& box);
 
 /// Whether a point is in a box. The far end is not: what begins there is farther than D_min.
@@ -28,9 +31,10 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
 /// The box as a region of M.
 ConvexRegion inside(const Box& box);
 
-/// What lies farther along the box's axis than a distance.
+/// What lies farther along the box's axis than a distance from its start.
 ConvexRegion beyond(const Box& box, double distance_m);
 
+/// What lies in both.
 ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other);
 
 }  // namespace flight_corridor

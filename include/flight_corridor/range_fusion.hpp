@@ -65,7 +65,8 @@ class RangeFusion {
   };
   /// Per-sensor memory that the gate needs.
   struct SensorTrack {
-    double accepted_s = -kInfinity, period_s = kInfinity;  // of the accepted readings, the newest two
+    double accepted_s = -kInfinity;  // its newest accepted reading
+    double period_s = kInfinity;     // from the one before to that
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
     bool outlier = false;  // the last gated reading told of something else, and was passed over
@@ -102,6 +103,8 @@ class RangeFusion {
   Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
   Outcome correct(Filter& filter, const Reading& reading) const;
+  bool isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const;
+  bool isBeyondOther(const Filter& filter, const Reading& reading) const;
   void watchRepetition(Filter& filter, const Reading& reading) const;
   bool isBefore(const Reading& lidar, const Filter& filter) const;
   void remember(SensorTrack& track, const Reading& reading) const;
