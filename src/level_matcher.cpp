@@ -10,19 +10,16 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kReach_px = 15;  // of the window along the edge, from its middle
-constexpr int kWindow_px = 2 * kReach_px + 1;
-constexpr int kBeside_px = 1;           // rows above and below in which an edge shows
-constexpr int kNoStep = 128;            // of the images of steps
-constexpr double kSmallestStep = 10.0;  // mean vertical step [grey/px] that is an edge
-constexpr double kLevel = 2.0;          // an edge is level when steps across it are so many times those along it
-constexpr int kNeighbours_px = 4;       // disparities beside the best one that cost nearly the same
-constexpr double kUnique = 1.3;         // all others cost so many times the best one,
-constexpr double kBetter = 1.5;         // the one matched before so many times
-constexpr double kResidual = 0.5;       // and the best one so small a share of the edge itself
-constexpr float kNearer_px = 1.5f;      // than the one matched before
-constexpr float kNothing = -1e6f;       // below every disparity
-constexpr int kShortestRun_px = 12;     // of pixels in a row that agree: fewer are chance
+constexpr int kBeside_px = 1;        // rows above and below in which an edge shows
+constexpr int kNoStep = 128;         // of the images of steps
+constexpr double kLevel = 2.0;       // an edge is level when steps across it are so many times those along it
+constexpr int kNeighbours_px = 4;    // disparities beside the best one that cost nearly the same
+constexpr double kUnique = 1.3;      // all others cost so many times the best one,
+constexpr double kBetter = 1.5;      // the one matched before so many times
+constexpr double kResidual = 0.5;    // and the best one so small a share of the edge itself
+constexpr float kNearer_px = 1.5f;   // than the one matched before
+constexpr float kNothing = -1e6f;    // below every disparity
+constexpr int kShortestRun_px = 12;  // of pixels in a row that agree: fewer are chance
 
 /// Adds what a step differs from a row of them. Without __restrict it is several times slower.
 void addSteps(int step, const std::uint8_t* __restrict row, int count, std::uint16_t* __restrict costs) {
@@ -49,21 +46,11 @@ void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& dis
   cv::filter2D(left, left_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
   cv::filter2D(right, right_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
   cv::flip(right_steps_, right_steps_, 1);  // its disparities ascend with the column
-  findLevelEdges(left);
+  cv::absdiff(left_steps_, cv::Scalar(kNoStep), vertical_);
+  cv::Sobel(left, horizontal_, CV_16S, 1, 0, 1, 0.5);
   found_px_.create(left.size(), CV_32FC1);
   found_px_.setTo(kNothing);
-  for (int v = kBeside_px; v < left.rows - kBeside_px; ++v) {
-    const auto* across = across_.ptr<float>(v);
-    const auto* along = along_.ptr<float>(v);
-    const auto* matched_px = disparity_px.ptr<float>(v);
-    auto* found_px = found_px_.ptr<float>(v);
-    for (int u = kReach_px; u < left.cols - kReach_px; ++u) {
-      if (across[u] >= kSmallestStep && across[u] >= kLevel * along[u]) {
-        found_px[u] = disparityAt(u, v, matched_px[u]);
-      }
-    }
-    dropShortRuns(found_px, left.cols);
-  }
+  for (const Window& window : kWindows) find(window, disparity_px);
   // What was found holds for the rows beside it, too: a thin thing has hardly more.
   static const cv::Mat kRows = cv::getStructuringElement(cv::MORPH_RECT, {1, 2 * kBeside_px + 1});
   cv::dilate(found_px_, nearest_px_, kRows);
@@ -76,26 +63,41 @@ void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& dis
   }
 }
 
-/// Mean steps across and along the row, over the window.
-void LevelMatcher::findLevelEdges(const cv::Mat& left) {
-  cv::absdiff(left_steps_, cv::Scalar(kNoStep), vertical_);
-  cv::Sobel(left, horizontal_, CV_16S, 1, 0, 1, 0.5);
-  const cv::Size window(kWindow_px, 2 * kBeside_px + 1);
-  cv::boxFilter(vertical_, across_, CV_32F, window);
-  cv::boxFilter(cv::abs(horizontal_), along_, CV_32F, window);
+/// What one window tells takes the place of what those before it told.
+void LevelMatcher::find(const Window& window, const cv::Mat& disparity_px) {
+  const int reach_px = window.reach_px, cols = disparity_px.cols;
+  const cv::Size size(2 * reach_px + 1, 2 * kBeside_px + 1);
+  cv::boxFilter(vertical_, across_, CV_32F, size);
+  cv::boxFilter(cv::abs(horizontal_), along_, CV_32F, size);
+  for (int v = kBeside_px; v < disparity_px.rows - kBeside_px; ++v) {
+    const auto* across = across_.ptr<float>(v);
+    const auto* along = along_.ptr<float>(v);
+    const auto* matched_px = disparity_px.ptr<float>(v);
+    row_px_.assign(cols, kNothing);
+    for (int u = reach_px; u < cols - reach_px; u += window.stride_px) {
+      if (across[u] >= window.smallest_step && across[u] >= kLevel * along[u]) {
+        std::fill_n(row_px_.begin() + u, window.stride_px, disparityAt(u, v, reach_px, matched_px[u]));
+      }
+    }
+    dropShortRuns(row_px_.data(), cols);
+    auto* found_px = found_px_.ptr<float>(v);
+    for (int u = 0; u < cols; ++u) {
+      if (row_px_[u] > kNothing) found_px[u] = row_px_[u];
+    }
+  }
 }
 
 /// The disparity of a pixel of a level edge; kNothing: none is clearly best. Its window is one row high and follows the
 /// edge: in the middle of a thin thing it holds nothing of what is behind.
-float LevelMatcher::disparityAt(int u, int v, float matched_px) {
-  const int first_px = std::max(min_disparity_px_, u + kReach_px - (left_steps_.cols - 1));
-  const int last_px = std::min(min_disparity_px_ + num_disparities_px_ - 1, u - kReach_px);
+float LevelMatcher::disparityAt(int u, int v, int reach_px, float matched_px) {
+  const int first_px = std::max(min_disparity_px_, u + reach_px - (left_steps_.cols - 1));
+  const int last_px = std::min(min_disparity_px_ + num_disparities_px_ - 1, u - reach_px);
   if (last_px < first_px) return kNothing;
   const int count = last_px - first_px + 1;
   costs_.assign(count, 0);
-  const double slope = slopeAt(u, v);
+  const double slope = slopeAt(u, v, reach_px);
   int edge = 0;
-  for (int k = -kReach_px; k <= kReach_px; ++k) {
+  for (int k = -reach_px; k <= reach_px; ++k) {
     const int row = std::clamp(v + static_cast<int>(std::lround(slope * k)), 0, left_steps_.rows - 1);
     const int step = left_steps_.at<std::uint8_t>(row, u + k);
     edge += std::abs(step - kNoStep);
@@ -106,12 +108,12 @@ float LevelMatcher::disparityAt(int u, int v, float matched_px) {
 }
 
 /// Rows per column along which grey values vary least, around a pixel (structure tensor; Foerstner and Guelch 1987).
-double LevelMatcher::slopeAt(int u, int v) const {
+double LevelMatcher::slopeAt(int u, int v, int reach_px) const {
   double xy = 0.0, yy = 0.0;
   for (int row = v - kBeside_px; row <= v + kBeside_px; ++row) {
     const auto* vertical = left_steps_.ptr<std::uint8_t>(row);
     const auto* horizontal = horizontal_.ptr<std::int16_t>(row);
-    for (int column = u - kReach_px; column <= u + kReach_px; ++column) {
+    for (int column = u - reach_px; column <= u + reach_px; ++column) {
       const int y = vertical[column] - kNoStep;
       xy += y * horizontal[column];
       yy += y * y;

@@ -19,14 +19,15 @@ struct Pair {
 
   /// @param blotch_px size of the wall's grain.
   /// @param branch_px the branch's disparity.
-  explicit Pair(double slope, double blotch_px = 2.0, double branch_px = kBranch_px) {
+  /// @param branch_grey of 60 to 256 of the wall.
+  explicit Pair(double slope, double blotch_px = 2.0, double branch_px = kBranch_px, float branch_grey = 40.0f) {
     cv::Mat texture(100, 260, CV_32FC1);
     cv::RNG random(7);
     random.fill(texture, cv::RNG::UNIFORM, 60, 256);
     cv::GaussianBlur(texture, texture, {0, 0}, blotch_px);
     cv::normalize(texture, texture, 60.0, 256.0, cv::NORM_MINMAX);
-    left = seen(texture, slope, 0.0, 0.0, 1.0, random);
-    right = seen(texture, slope, kBackground_px, branch_px, 1.1, random);
+    left = seen(texture, slope, 0.0, 0.0, 1.0, branch_grey, random);
+    right = seen(texture, slope, kBackground_px, branch_px, 1.1, branch_grey, random);
     is_branch = cv::Mat::zeros(left.size(), CV_8U);
     for (int u = 40; u < left.cols - 40; ++u) is_branch.at<std::uint8_t>(cvRound(row(slope, u)), u) = 255;
   }
@@ -34,7 +35,7 @@ struct Pair {
   static double row(double slope, double u) { return 50.0 + slope * (u - 130.0); }
 
   static cv::Mat seen(const cv::Mat& texture, double slope, double shift_px, double branch_shift_px, double gain,
-                      cv::RNG& random) {
+                      float branch_grey, cv::RNG& random) {
     cv::Mat image, noise(texture.size(), CV_32FC1), grey;
     const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -shift_px, 0, 1, 0);
     cv::warpAffine(texture, image, shift, texture.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
@@ -43,7 +44,7 @@ struct Pair {
         const double away_px = std::abs(v - row(slope, u + branch_shift_px));
         const auto share = static_cast<float>(std::clamp(2.0 - away_px, 0.0, 1.0));  // of the pixel that is branch
         float& value = image.at<float>(v, u);
-        value += share * (40.0f - value);
+        value += share * (branch_grey - value);
       }
     }
     random.fill(noise, cv::RNG::NORMAL, 0.0, 1.5);
@@ -61,6 +62,14 @@ TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
   LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+}
+
+TEST(LevelMatcher, FindsABranchThatIsNearlyAsGreyAsItsBackgroundByALongerWindow) {
+  const Pair pair(0.12, 3.0, kBranch_px, 90.0f);
+  cv::Mat disparity_px = background(pair);
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
+  EXPECT_GT(cv::countNonZero(found), 0.6 * cv::countNonZero(pair.is_branch));
 }
 
 TEST(LevelMatcher, TellsFractionsOfAPixel) {

@@ -20,15 +20,24 @@ class LevelMatcher {
   void match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
 
  private:
-  void findLevelEdges(const cv::Mat& left);
-  float disparityAt(int u, int v, float matched_px);
-  double slopeAt(int u, int v) const;
+  struct Window {
+    int reach_px;          // along the edge, from its middle
+    int stride_px;         // of the columns that it is laid around
+    double smallest_step;  // mean vertical step [grey/px] that is an edge
+  };
+  /// The longer one tells what is nearly as grey as its background, the shorter one what is short or bends.
+  static constexpr Window kWindows[] = {{15, 1, 10.0}, {45, 3, 8.0}};
+
+  void find(const Window& window, const cv::Mat& disparity_px);
+  float disparityAt(int u, int v, int reach_px, float matched_px);
+  double slopeAt(int u, int v, int reach_px) const;
   float best(int first_px, float matched_px, int edge) const;
 
   int min_disparity_px_, num_disparities_px_;
   cv::Mat left_steps_, right_steps_, across_, along_, vertical_, horizontal_;
   cv::Mat found_px_, nearest_px_;
   std::vector<std::uint16_t> costs_;  // of one pixel, by disparity
+  std::vector<float> row_px_;         // found by one window in one row
 };
 
 }  // namespace flight_corridor
