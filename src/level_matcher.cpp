@@ -63,7 +63,7 @@ void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& dis
   }
 }
 
-/// What one window tells takes the place of what those before it told.
+/// Of what several windows tell the nearest holds: a longer one may lie across two things.
 void LevelMatcher::find(const Window& window, const cv::Mat& disparity_px) {
   const int reach_px = window.reach_px, cols = disparity_px.cols;
   const cv::Size size(2 * reach_px + 1, 2 * kBeside_px + 1);
@@ -81,9 +81,7 @@ void LevelMatcher::find(const Window& window, const cv::Mat& disparity_px) {
     }
     dropShortRuns(row_px_.data(), cols);
     auto* found_px = found_px_.ptr<float>(v);
-    for (int u = 0; u < cols; ++u) {
-      if (row_px_[u] > kNothing) found_px[u] = row_px_[u];
-    }
+    for (int u = 0; u < cols; ++u) found_px[u] = std::max(found_px[u], row_px_[u]);
   }
 }
 
