@@ -72,6 +72,16 @@ TEST(LevelMatcher, FindsABranchThatIsNearlyAsGreyAsItsBackgroundByALongerWindow)
   EXPECT_GT(cv::countNonZero(found), 0.6 * cv::countNonZero(pair.is_branch));
 }
 
+TEST(LevelMatcher, AStubInLineWithAFartherRodStaysNear) {
+  constexpr int kStub_px = 12, kFirst_px = 115, kLength_px = 24;
+  const Pair near(0.05, 2.0, kStub_px), pair(0.05, 2.0, 9.0);
+  const cv::Rect stub(kFirst_px, 0, kLength_px, pair.left.rows), in_right = stub - cv::Point(kStub_px, 0);
+  near.right(in_right).copyTo(pair.right(in_right));
+  cv::Mat disparity_px = background(pair);
+  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  EXPECT_GT(cv::countNonZero((disparity_px(stub) > kStub_px - 1.0) & pair.is_branch(stub)), kLength_px / 2);
+}
+
 TEST(LevelMatcher, TellsFractionsOfAPixel) {
   const auto found_px = [](double branch_px) {
     const Pair pair(0.08, 2.0, branch_px);
