@@ -10,16 +10,17 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kBeside_px = 1;        // rows above and below in which an edge shows
-constexpr int kNoStep = 128;         // of the images of steps
-constexpr double kLevel = 2.0;       // an edge is level when steps across it are so many times those along it
-constexpr int kNeighbours_px = 4;    // disparities beside the best one that cost nearly the same
-constexpr double kUnique = 1.3;      // all others cost so many times the best one,
-constexpr double kBetter = 1.5;      // the one matched before so many times
-constexpr double kResidual = 0.5;    // and the best one so small a share of the edge itself
-constexpr float kNearer_px = 1.5f;   // than the one matched before
-constexpr float kNothing = -1e6f;    // below every disparity
-constexpr int kShortestRun_px = 12;  // of pixels in a row that agree: fewer are chance
+constexpr int kBeside_px = 1;            // rows above and below in which an edge shows
+constexpr int kNoStep = 128;             // of the images of steps
+constexpr double kLevel = 2.0;           // an edge is level when steps across it are so many times those along it
+constexpr int kNeighbours_px = 4;        // disparities beside the best one that cost nearly the same
+constexpr double kUnique = 1.3;          // all others cost so many times the best one,
+constexpr double kBetter = 1.5;          // the one matched before so many times
+constexpr double kResidual = 0.5;        // and the best one so small a share of the edge itself
+constexpr float kNearer_px = 1.5f;       // than the one matched before
+constexpr float kNothing = -1e6f;        // below every disparity
+constexpr std::uint16_t kLeastCost = 1;  // in an image without noise an exact repeat costs as little: nothing
+constexpr int kShortestRun_px = 12;      // of pixels in a row that agree: fewer are chance
 
 /// Adds what a step differs from a row of them. Without __restrict it is several times slower.
 void addSteps(int step, const std::uint8_t* __restrict row, int count, std::uint16_t* __restrict costs) {
@@ -126,20 +127,21 @@ float LevelMatcher::best(int first_px, float matched_px, int edge) const {
   const int last = static_cast<int>(costs.size()) - 1;
   const int at = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   if (at == 0 || at == last || !(costs[at] <= kResidual * edge)) return kNothing;
+  const double lowest_cost = std::max(costs[at], kLeastCost);
   // Between two whole disparities a cost is as low as the V through it and its neighbours says.
   const auto lowest = [&](int i) {
     const double left = costs[std::max(i - 1, 0)], right = costs[std::min(i + 1, last)];
     return costs[i] <= std::min(left, right) ? costs[i] - 0.5 * std::abs(left - right) : costs[i];
   };
   for (int i = 0; i <= last; ++i) {
-    if (std::abs(i - at) > kNeighbours_px && lowest(i) < kUnique * costs[at]) return kNothing;
+    if (std::abs(i - at) > kNeighbours_px && lowest(i) < kUnique * lowest_cost) return kNothing;
   }
   const double left = costs[at - 1], right = costs[at + 1], steepness = std::max(left, right) - costs[at];
   const double tip = steepness > 0.0 ? 0.5 * (left - right) / steepness : 0.0;  // of that V, from its middle
   const float found_px = static_cast<float>(first_px + at + tip);
   if (std::isnan(matched_px)) return found_px;
   const int before = std::clamp(static_cast<int>(std::lround(matched_px)) - first_px, 0, last);
-  return found_px >= matched_px + kNearer_px && lowest(before) >= kBetter * costs[at] ? found_px : kNothing;
+  return found_px >= matched_px + kNearer_px && lowest(before) >= kBetter * lowest_cost ? found_px : kNothing;
 }
 
 }  // namespace flight_corridor

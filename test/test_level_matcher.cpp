@@ -146,6 +146,22 @@ TEST(LevelMatcher, LeavesWhatIsMatchedRightAlone) {
   EXPECT_EQ(cv::countNonZero((disparity_px != before) & pair.is_branch), 0);
 }
 
+TEST(LevelMatcher, LeavesAnExactRepeatAloneAlsoWithoutNoise) {
+  constexpr int kPeriod_px = 16, kShift_px = 20;
+  cv::Mat left(100, 260, CV_8UC1, cv::Scalar(100)), right = left.clone();
+  for (int v = 49; v <= 51; ++v) {
+    for (int u = 0; u < left.cols; ++u) {
+      left.at<std::uint8_t>(v, u) = u % kPeriod_px < kPeriod_px / 2 ? 40 : 60;
+      right.at<std::uint8_t>(v, u) = (u + kShift_px) % kPeriod_px < kPeriod_px / 2 ? 40 : 60;
+    }
+  }
+  cv::Mat disparity_px(left.size(), CV_32FC1, cv::Scalar(kNothing));
+  LevelMatcher(-2, 128).match(left, right, disparity_px);
+  const cv::Mat several_fit =
+      disparity_px.colRange(120, 220);  // at the margins only one of the repeats is in the image
+  EXPECT_EQ(cv::countNonZero(several_fit == several_fit), 0);
+}
+
 TEST(LevelMatcher, LeavesAPlainImageAlone) {
   const cv::Mat grey(100, 260, CV_8UC1, cv::Scalar(90));
   cv::Mat disparity_px(grey.size(), CV_32FC1, cv::Scalar(kNothing));
