@@ -13,7 +13,9 @@ constexpr int kWindow_px = 2 * kReachOfWindow_px + 1;
 constexpr float kLargestStep_px = 0.3f;  // the bias is less; a longer step follows noise or another surface
 constexpr float kNoise = 0.5f;           // squared gradient [grey^2/px^2] that noise alone shows
 constexpr int kReach_px = 7;             // how far a surface is averaged, along rows and columns
-constexpr float kSameSurface_px = 1.0f;  // neighbours that differ by less
+constexpr float kSameSurface_px = 1.0f;  // neighbours that differ by less, the more the less they differ
+constexpr int kSteps = 2;                // of registration: one leaves a quarter of the bias
+constexpr double kThin = 0.35;           // of the neighbours on the same surface: fewer belong to a thin thing
 
 /// Planes of a row: 1, residual e, gradient g, e g, g^2; all 0 where there is no disparity.
 constexpr int kPlanes = 5;
@@ -60,21 +62,31 @@ void step(const float* sums, const float* disparity_px, int cols, float* registe
   }
 }
 
-/// Adds the differences of neighbours that lie on the same surface; NaN does not. Without __restrict it is four times
-/// slower.
-void addSame(const float* __restrict neighbour, const float* __restrict centre, int length, float* __restrict sum,
-             float* __restrict count) {
-  for (int i = 0; i < length; ++i) {
-    const float difference_px = neighbour[i] - centre[i];
-    const float same = std::abs(difference_px) < kSameSurface_px ? 1.0f : 0.0f;
-    sum[i] += same != 0.0f ? difference_px : 0.0f;
-    count[i] += same;
+/// Sums over the neighbours of each pixel of a row. Without __restrict it is four times slower.
+struct Neighbours {
+  Neighbours(float* sums, int cols) : difference_px(sums), same(sums + cols), count(sums + 2 * cols) {}
+
+  /// @param first of the pixels that have this neighbour.
+  void add(const float* __restrict neighbour, const float* __restrict centre, int first, int last) {
+    float* __restrict sum = difference_px, * __restrict weight = same, * __restrict n = count;
+    for (int u = first; u < last; ++u) {
+      const float here_px = neighbour[u] - centre[u];
+      const float away = here_px / kSameSurface_px;
+      const float is_same = std::max(0.0f, 1.0f - away * away);  // 0 also of NaN
+      sum[u] += is_same > 0.0f ? is_same * here_px : 0.0f;
+      weight[u] += is_same;
+      n[u] += here_px == here_px ? 1.0f : 0.0f;
+    }
   }
-}
+
+  float* difference_px;  // weighted by
+  float* same;           // how much it lies on the same surface [0..1]
+  float* count;          // neighbours that have a disparity
+};
 
 }  // namespace
 
-void DisparityRefiner::refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
+void DisparityRefiner::refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px, cv::Mat& thin) {
   const int bands = static_cast<int>(bands_.size());
   const auto eachBand = [&](const auto& work) {
     cv::parallel_for_({0, bands}, [&](const cv::Range& range) {
@@ -83,11 +95,13 @@ void DisparityRefiner::refine(const cv::Mat& left, const cv::Mat& right, cv::Mat
       }
     });
   };
-  registered_.create(left.size(), CV_32FC1);
-  smoothed_.create(left.size(), CV_32FC1);
-  eachBand([&](cv::Range rows, Band& band) { registerRows(left, right, disparity_px, rows, band); });
-  eachBand([&](cv::Range rows, Band& band) { smooth(registered_, smoothed_, {1, 0}, rows, band); });
-  eachBand([&](cv::Range rows, Band& band) { smooth(smoothed_, disparity_px, {0, 1}, rows, band); });
+  for (cv::Mat* image : {&registered_, &smoothed_, &row_share_, &column_share_}) image->create(left.size(), CV_32FC1);
+  for (int i = 0; i < kSteps; ++i) {
+    eachBand([&](cv::Range rows, Band& band) { registerRows(left, right, disparity_px, rows, band); });
+    eachBand([&](cv::Range rows, Band& band) { smooth(registered_, smoothed_, row_share_, {1, 0}, rows, band); });
+    eachBand([&](cv::Range rows, Band& band) { smooth(smoothed_, disparity_px, column_share_, {0, 1}, rows, band); });
+  }
+  cv::compare(row_share_.mul(column_share_), kThin, thin, cv::CMP_LT);
 }
 
 /// R(u - d - step) = L(u) to first order, in the least-squares sense over a window, whatever the exposures' difference.
@@ -115,22 +129,26 @@ void DisparityRefiner::registerRows(const cv::Mat& left, const cv::Mat& right, c
 }
 
 /// The mean of the neighbours along one direction that lie on the same surface.
-void DisparityRefiner::smooth(const cv::Mat& in, cv::Mat& out, cv::Point step, cv::Range rows, Band& band) {
-  band.sums.resize(static_cast<std::size_t>(2 * in.cols));
-  float* sum_px = band.sums.data();
-  float* count = sum_px + in.cols;
+/// @param own_share of the neighbours that have a disparity, those on the same surface; 1 where there is none.
+void DisparityRefiner::smooth(const cv::Mat& in, cv::Mat& out, cv::Mat& own_share, cv::Point step, cv::Range rows,
+                              Band& band) {
+  band.sums.resize(static_cast<std::size_t>(3 * in.cols));
+  Neighbours neighbours(band.sums.data(), in.cols);
   for (int v = rows.start; v < rows.end; ++v) {
     const auto* centre = in.ptr<float>(v);
-    std::fill_n(sum_px, 2 * in.cols, 0.0f);
+    std::fill(band.sums.begin(), band.sums.end(), 0.0f);
     for (int k = -kReach_px; k <= kReach_px; ++k) {
       if (v + k * step.y < 0 || v + k * step.y >= in.rows) continue;
       const auto* row = in.ptr<float>(v + k * step.y);
       const int shift = k * step.x;
-      const int first = std::max(0, -shift), last = std::min(in.cols, in.cols - shift);
-      addSame(row + shift + first, centre + first, last - first, sum_px + first, count + first);
+      neighbours.add(row + shift, centre, std::max(0, -shift), std::min(in.cols, in.cols - shift));
     }
     auto* mean = out.ptr<float>(v);
-    for (int u = 0; u < in.cols; ++u) mean[u] = centre[u] + sum_px[u] / count[u];  // 0 / 0 only where centre is NaN
+    auto* share = own_share.ptr<float>(v);
+    for (int u = 0; u < in.cols; ++u) {
+      mean[u] = centre[u] + neighbours.difference_px[u] / neighbours.same[u];  // 0 / 0 only where centre is NaN
+      share[u] = neighbours.count[u] > 0.0f ? neighbours.same[u] / neighbours.count[u] : 1.0f;
+    }
   }
 }
 

@@ -44,9 +44,9 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
 /// Points are counted while free space is found, after it where there is no thread to be had; what the tree is told
 /// does not depend on which ends first. Counting calls nothing that works on OpenCV's threads: what those keep for each
 /// caller's thread stays when it ends.
-void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
+void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears, const cv::Mat& thin) {
   std::future<void> counted =
-      std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, T_M_C); });
+      std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, thin, T_M_C); });
   static const std::vector<FreeSpace::Families> kNone;
   const std::vector<FreeSpace::Families>& free = clears ? free_space_.find(depth_m, T_M_C) : kNone;
   counted.get();

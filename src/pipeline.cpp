@@ -179,9 +179,9 @@ void Pipeline::updateMap() {
   } else {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
     frame_map_->clear();
-    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), !is_unmatched_);
+    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), !is_unmatched_, disparity_.thin);
   }
-  map_.insert(depth_.filled_m, T_M_C_, !is_unmatched_);
+  map_.insert(depth_.filled_m, T_M_C_, !is_unmatched_, disparity_.thin);
   if (const double range_m = report_.range.range_m;
       std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * beam_.point(0.0), T_M_C_ * beam_.point(range_m), true);
@@ -194,7 +194,7 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, report_.scale_sigma, T_M_C, box);
+    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, disparity_.thin, report_.scale_sigma, T_M_C, box);
     return corridor_.inspect(map.tree(), box, observable, [&](const Eigen::Vector3d& cell_centre, double near_m) {
       return surface.begin(cell_centre, near_m);
     });

@@ -24,7 +24,7 @@ unsigned childOfParent(std::uint32_t cell) {
 }  // namespace
 
 PointCounter::PointCounter(const MapConfig& config, const StereoGeometry& geometry)
-    : config_(config), geometry_(geometry) {
+    : config_(config), geometry_(geometry), not_thin_(static_cast<std::size_t>(geometry.size().width), 0) {
   const cv::Size size = geometry.size();
   double longest_ray = 0.0;
   for (const int u : {0, size.width - 1}) {
@@ -39,14 +39,15 @@ PointCounter::PointCounter(const MapConfig& config, const StereoGeometry& geomet
 }
 
 /// Neighbouring pixels mostly fall into one cell: runs of them are counted together.
-void PointCounter::count(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
+void PointCounter::count(const cv::Mat& depth_m, const cv::Mat& thin, const Eigen::Isometry3d& T_M_C) {
   points_.clear();
   const Eigen::Array3d camera_key =
       T_M_C.cast<float>().translation().cast<double>().array() / config_.resolution_m + kKeyOrigin;
   if (!(camera_key >= 0.0).all() || !(camera_key <= kLastKey).all()) return;
   window_key_ = (0.5 * camera_key).floor().cast<int>() * 2 - kWindowCells / 2;  // even: where a parent begins
   for (int v = 0; v < depth_m.rows; ++v) {
-    findCells(depth_m.ptr<float>(v), v, T_M_C.cast<float>());
+    findCells(depth_m.ptr<float>(v), thin.empty() ? not_thin_.data() : thin.ptr<std::uint8_t>(v), v,
+              T_M_C.cast<float>());
     findRuns();
     int begin = 0;
     for (const int end : run_ends_) {
@@ -72,12 +73,13 @@ void PointCounter::findRuns() {
 }
 
 /// Cells of a row's points, in a plain loop over local values that the compiler reckons several at once.
-FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C) {
+FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const std::uint8_t* thin, int v,
+                                                  const Eigen::Isometry3f& T_M_C) {
   const int width = geometry_.size().width;
   row_cells_.resize(width);
   std::uint32_t* cells = row_cells_.data();
   const StereoGeometry geometry = geometry_;
-  const double band_px = config_.hit_band_px;
+  const double band_px = config_.hit_band_px, thin_band_px = config_.thin_hit_band_px;
   const auto max_range_m = static_cast<float>(config_.max_range_m);
   const double cells_per_m = 1.0 / config_.resolution_m;
   const Eigen::Vector3d at_first = T_M_C.linear().cast<double>() * geometry_.point(0, v, 1);
@@ -90,7 +92,9 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, int v, c
   const float step_x = step[0], step_y = step[1], step_z = step[2];
   const float origin_x = origin[0], origin_y = origin[1], origin_z = origin[2];
   for (int u = 0; u < width; ++u) {
-    const float hit_m = geometry.shiftedDepth(depth_m[u], band_px);
+    const float wall_m = geometry.shiftedDepth(depth_m[u], band_px);
+    const float thin_m = geometry.shiftedDepth(depth_m[u], thin_band_px);
+    const float hit_m = thin[u] != 0 ? thin_m : wall_m;
     const float inside_m = std::min(max_range_m, hit_m);  // also of NaN
     const auto column = static_cast<float>(u);
     const auto x = static_cast<int>((first_x + step_x * column) * inside_m + origin_x);

@@ -27,13 +27,20 @@ struct Pair {
   }
 };
 
+/// @return what is thin.
+cv::Mat refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
+  cv::Mat thin;
+  DisparityRefiner().refine(left, right, disparity_px, thin);
+  return thin;
+}
+
 cv::Rect inside(const cv::Mat& image) { return {40, 20, image.cols - 80, image.rows - 40}; }
 
 TEST(DisparityRefiner, FindsTheFractionThatAMatcherRoundedAwayToATwentiethOfAPixel) {
-  for (const double true_px : {9.75, 9.9, 10.0, 10.2, 10.25}) {
+  for (const double true_px : {9.6, 9.75, 9.9, 10.0, 10.2, 10.25, 10.4}) {
     const Pair pair(true_px);
     cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(10.0));
-    DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+    refine(pair.left, pair.right, disparity_px);
     cv::Scalar mean, sigma;
     cv::meanStdDev(disparity_px(inside(disparity_px)), mean, sigma);
     EXPECT_NEAR(mean[0], true_px, 0.05) << true_px;
@@ -46,7 +53,7 @@ TEST(DisparityRefiner, WhatWasNothingStaysNothing) {
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(10.0));
   disparity_px(cv::Rect(100, 50, 30, 20)).setTo(kNothing);
   const cv::Mat something = disparity_px == disparity_px;
-  DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+  refine(pair.left, pair.right, disparity_px);
   EXPECT_EQ(cv::countNonZero((disparity_px == disparity_px) != something), 0);
 }
 
@@ -55,15 +62,29 @@ TEST(DisparityRefiner, AStepBetweenSurfacesStaysAStep) {
   cv::Mat disparity_px(blank.size(), CV_32FC1, cv::Scalar(5.0));
   disparity_px.colRange(120, 124).setTo(11.0);
   const cv::Mat before = disparity_px.clone();
-  DisparityRefiner().refine(blank, blank, disparity_px);
+  refine(blank, blank, disparity_px);
   EXPECT_LT(cv::norm(disparity_px, before, cv::NORM_INF), 1e-5);
+}
+
+TEST(DisparityRefiner, WhatIsAmongMoreOfOtherSurfacesIsThin) {
+  const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));
+  cv::Mat disparity_px(blank.size(), CV_32FC1, cv::Scalar(5.0));
+  disparity_px.colRange(120, 125).setTo(11.0);
+  cv::Mat thin = refine(blank, blank, disparity_px);
+  EXPECT_EQ(cv::countNonZero(thin.colRange(120, 125)), 5 * thin.rows);
+  EXPECT_EQ(cv::countNonZero(thin), 5 * thin.rows);  // not the background's edge
+
+  disparity_px.colRange(0, 120).setTo(kNothing);  // nothing else around
+  disparity_px.colRange(125, 240).setTo(kNothing);
+  thin = refine(blank, blank, disparity_px);
+  EXPECT_EQ(cv::countNonZero(thin), 0);
 }
 
 TEST(DisparityRefiner, NoiseOnOneSurfaceIsAveraged) {
   const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));
   cv::Mat disparity_px(blank.size(), CV_32FC1);
   cv::RNG(3).fill(disparity_px, cv::RNG::NORMAL, 8.0, 0.15);
-  DisparityRefiner().refine(blank, blank, disparity_px);
+  refine(blank, blank, disparity_px);
   cv::Scalar mean, sigma;
   cv::meanStdDev(disparity_px(inside(disparity_px)), mean, sigma);
   EXPECT_NEAR(mean[0], 8.0, 0.01);
@@ -75,7 +96,7 @@ TEST(DisparityRefiner, DisparitiesThatPointOutsideTheImageDoNoHarm) {
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(500.0));
   disparity_px.rowRange(0, 60).setTo(-500.0);
   const cv::Mat before = disparity_px.clone();
-  DisparityRefiner().refine(pair.left, pair.right, disparity_px);
+  refine(pair.left, pair.right, disparity_px);
   EXPECT_EQ(cv::norm(disparity_px, before, cv::NORM_INF), 0.0);
 }
 

@@ -21,7 +21,7 @@ MapConfig withoutHitBand() {
 
 std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
   PointCounter counter(withoutHitBand(), kGeometry);
-  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), T_M_C);
+  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), {}, T_M_C);
   std::uint32_t points = 0;
   for (const CellCounts::Cube& cube : counter.cubes()) {
     for (const std::uint32_t count : cube.counts) points += count;
@@ -36,6 +36,26 @@ TEST(PointCounter, CountsEveryPointWithinTheRange) {
   EXPECT_EQ(pointsAt(kNaN, Eigen::Isometry3d::Identity()), 0u);
 }
 
+TEST(PointCounter, ThinThingsAreTakenToBeNearer) {
+  MapConfig config;
+  config.thin_hit_band_px = 0.5;
+  const double depth_m = 4.15;
+  ASSERT_GT(kGeometry.shiftedDepth(depth_m, config.hit_band_px), 4.0);
+  ASSERT_LT(kGeometry.shiftedDepth(depth_m, config.thin_hit_band_px), 4.0);
+  PointCounter counter(config, kGeometry);
+  cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
+  thin.row(50).setTo(255);
+  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), thin, Eigen::Isometry3d::Identity());
+  std::uint32_t before_4_m = 0;
+  for (const CellCounts::Cube& cube : counter.cubes()) {
+    for (int i = 0; i < 8; ++i) {
+      const int z = counter.lowestCell(cube)[2] + (i >> 2) - 32768;
+      if (z * config.resolution_m < 3.95) before_4_m += cube.counts[i];
+    }
+  }
+  EXPECT_EQ(before_4_m, static_cast<std::uint32_t>(thin.cols));
+}
+
 TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
   EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d(Eigen::Translation3d(4000, 0, 0))), 0u);
 }
@@ -43,7 +63,7 @@ TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
 TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
   PointCounter counter(withoutHitBand(), kGeometry);
   const Eigen::Isometry3d T_M_C(Eigen::Translation3d(1.0, -2.0, 0.5));
-  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), T_M_C);
+  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), {}, T_M_C);
   std::map<std::array<int, 3>, std::uint32_t> expected, found;
   for (int v = 0; v < kGeometry.size().height; ++v) {
     for (int u = 0; u < kGeometry.size().width; ++u) {

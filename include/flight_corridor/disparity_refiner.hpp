@@ -9,23 +9,26 @@ namespace flight_corridor {
 /// Takes the pull towards whole pixels, and most of the noise, out of a matcher's disparity.
 ///
 /// A matcher fits a parabola to costs at whole pixels, which biases its sub-pixel part by up to 0.2 px (Shimizu and
-/// Okutomi 2001). One step of image registration (Lucas and Kanade 1981) from where it ended measures the rest; a mean
-/// over neighbours on the same surface removes noise without smearing edges.
+/// Okutomi 2001). Steps of image registration (Lucas and Kanade 1981) from where it ended measure the rest; after each
+/// a mean over neighbours on the same surface removes noise without smearing edges.
 class DisparityRefiner {
  public:
   /// @param left, right rectified, CV_8UC1, same size.
   /// @param disparity_px CV_32FC1 of that size, u_left - u_right, NaN = none; refined in place. What was NaN stays NaN.
-  void refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+  /// @param thin CV_8U of that size, refilled: 255 where most disparities around are of other surfaces. They draw it to
+  /// themselves: it is less exact.
+  void refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px, cv::Mat& thin);
 
  private:
   struct Band {  // scratch for a run of rows, which one thread works on
     std::vector<float> products, rows, sums;
   };
   void registerRows(const cv::Mat& left, const cv::Mat& right, const cv::Mat& disparity_px, cv::Range rows, Band& band);
-  static void smooth(const cv::Mat& in, cv::Mat& out, cv::Point step, cv::Range rows, Band& band);
+  static void smooth(const cv::Mat& in, cv::Mat& out, cv::Mat& own_share, cv::Point step, cv::Range rows, Band& band);
 
   std::array<Band, 8> bands_;
   cv::Mat registered_, smoothed_;
+  cv::Mat row_share_, column_share_;  // of the neighbours along a row, a column: those on the same surface
 };
 
 }  // namespace flight_corridor

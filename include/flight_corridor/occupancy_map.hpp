@@ -26,7 +26,9 @@ class OccupancyMap {
   /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
   /// @param clears false: hits alone, for an image that may have lost something.
-  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
+  /// @param thin CV_8U of that size, not 0 where thin_hit_band_px holds instead of hit_band_px; empty: nowhere.
+  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true,
+              const cv::Mat& thin = cv::Mat());
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
   /// @param hit false: nothing was met up to the end.
