@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 
+#include "flight_corridor/wide_registers.hpp"
+
 namespace flight_corridor {
 
 namespace {
@@ -14,7 +16,7 @@ constexpr float kLargestStep_px = 0.3f;  // the bias is less; a longer step foll
 constexpr float kNoise = 0.5f;           // squared gradient [grey^2/px^2] that noise alone shows
 constexpr int kReach_px = 7;             // how far a surface is averaged, along rows and columns
 constexpr float kSameSurface_px = 1.0f;  // neighbours that differ by less, the more the less they differ
-constexpr int kSteps = 2;                // of registration: one leaves a quarter of the bias
+constexpr int kSteps = 2;                // of registration: a match may be off by more than one mends
 constexpr double kThin = 0.35;           // of the neighbours on the same surface: fewer belong to a thin thing
 
 /// Planes of a row: 1, residual e, gradient g, e g, g^2; all 0 where there is no disparity.
@@ -42,7 +44,7 @@ void multiply(const std::uint8_t* left, const std::uint8_t* right, const float* 
 }
 
 /// Adds count runs of a length that begin step apart.
-void addRuns(const float* runs, int count, std::size_t step, int length, float* sum) {
+FLIGHT_CORRIDOR_WIDE void addRuns(const float* runs, int count, std::size_t step, int length, float* sum) {
   std::fill_n(sum, length, 0.0f);
   for (int k = 0; k < count; ++k) {
     const float* run = runs + k * step;
@@ -51,7 +53,7 @@ void addRuns(const float* runs, int count, std::size_t step, int length, float* 
 }
 
 /// The least-squares step from a window's sums.
-void step(const float* sums, const float* disparity_px, int cols, float* registered_px) {
+FLIGHT_CORRIDOR_WIDE void step(const float* sums, const float* disparity_px, int cols, float* registered_px) {
   const float *n_row = sums, *e = sums + cols, *g = sums + 2 * cols, *eg = sums + 3 * cols, *gg = sums + 4 * cols;
   for (int u = 0; u < cols; ++u) {
     const float n = std::max(n_row[u], 1.0f);
@@ -62,27 +64,30 @@ void step(const float* sums, const float* disparity_px, int cols, float* registe
   }
 }
 
-/// Sums over the neighbours of each pixel of a row. Without __restrict it is four times slower.
+/// Sums over the neighbours of each pixel of a row.
 struct Neighbours {
   Neighbours(float* sums, int cols) : difference_px(sums), same(sums + cols), count(sums + 2 * cols) {}
 
-  /// @param first of the pixels that have this neighbour.
-  void add(const float* __restrict neighbour, const float* __restrict centre, int first, int last) {
-    float* __restrict sum = difference_px, * __restrict weight = same, * __restrict n = count;
-    for (int u = first; u < last; ++u) {
-      const float here_px = neighbour[u] - centre[u];
-      const float away = here_px / kSameSurface_px;
-      const float is_same = std::max(0.0f, 1.0f - away * away);  // 0 also of NaN
-      sum[u] += is_same > 0.0f ? is_same * here_px : 0.0f;
-      weight[u] += is_same;
-      n[u] += here_px == here_px ? 1.0f : 0.0f;
-    }
-  }
-
   float* difference_px;  // weighted by
-  float* same;           // how much it lies on the same surface [0..1]
-  float* count;          // neighbours that have a disparity
+  float* same;           // how much each lies on the same surface [0..1]
+  float* count;          // of those that have a disparity
 };
+
+/// Adds one neighbour each. The compiler reckons several at once: without __restrict, or with another choice that
+/// depends on the same comparison, it does not and is ten times slower.
+FLIGHT_CORRIDOR_WIDE void add(const float* __restrict neighbour, const float* __restrict centre, int length,
+                              float* __restrict sum_px, float* __restrict same, float* __restrict count) {
+  for (int i = 0; i < length; ++i) {
+    const float difference_px = neighbour[i] - centre[i];
+    const float away = difference_px / kSameSurface_px;
+    const float closeness = 1.0f - away * away;
+    const float weight = closeness > 0.0f ? closeness : 0.0f;  // 0 also of NaN
+    const float weighted_px = weight * difference_px;
+    sum_px[i] += weighted_px == weighted_px ? weighted_px : 0.0f;
+    same[i] += weight;
+    count[i] += neighbour[i] == neighbour[i] ? 1.0f : 0.0f;
+  }
+}
 
 }  // namespace
 
@@ -141,13 +146,15 @@ void DisparityRefiner::smooth(const cv::Mat& in, cv::Mat& out, cv::Mat& own_shar
       if (v + k * step.y < 0 || v + k * step.y >= in.rows) continue;
       const auto* row = in.ptr<float>(v + k * step.y);
       const int shift = k * step.x;
-      neighbours.add(row + shift, centre, std::max(0, -shift), std::min(in.cols, in.cols - shift));
+      const int first = std::max(0, -shift), last = std::min(in.cols, in.cols - shift);
+      add(row + shift + first, centre + first, last - first, neighbours.difference_px + first, neighbours.same + first,
+          neighbours.count + first);
     }
     auto* mean = out.ptr<float>(v);
     auto* share = own_share.ptr<float>(v);
     for (int u = 0; u < in.cols; ++u) {
       mean[u] = centre[u] + neighbours.difference_px[u] / neighbours.same[u];  // 0 / 0 only where centre is NaN
-      share[u] = neighbours.count[u] > 0.0f ? neighbours.same[u] / neighbours.count[u] : 1.0f;
+      share[u] = neighbours.same[u] > 0.0f ? neighbours.same[u] / neighbours.count[u] : 1.0f;
     }
   }
 }
