@@ -63,5 +63,24 @@ TEST(PipelineFlights, AMapThatRemembersHoldsWhatComesNearerThanStereoSees) {
   EXPECT_GE(blind, 2);
 }
 
+TEST(PipelineFlights, ALeafsEdgeJustInsideTheEndBlocks) {
+  sim::SimulationOptions options;
+  options.scene = "foliage";
+  options.seed = 221;
+  options.rate_hz = 4.0;
+  const sim::Simulation simulation(options);
+  constexpr std::size_t kFrame = 19;
+  ASSERT_NEAR(simulation.truth(kFrame).clear_exact_m, 3.956, 0.001);
+  const auto answer = [&](const Config& config) {
+    return Pipeline(config, StereoGeometry(simulation.calibration()), Rig())
+        .process(simulation.frame(kFrame))
+        .verdict.state;
+  };
+  EXPECT_EQ(answer(Config()), State::Blocked);
+  Config alike;
+  alike.map.thin_hit_band_px = alike.map.hit_band_px;
+  EXPECT_EQ(answer(alike), State::Free) << "no longer a frame that shows what the band of thin things is for";
+}
+
 }  // namespace
 }  // namespace flight_corridor
