@@ -14,10 +14,19 @@ class ToolError(Exception):
     """A program failed; the text is what it said last."""
 
 
+def newest(paths):
+    return max((path for path in paths if path.is_file()), key=lambda path: path.stat().st_mtime)
+
+
+@functools.lru_cache(maxsize=None)
 def find_tool(name):
+    """A program that is built from the code that is there: figures of an older one would pass for this one's."""
     program = PROGRAMS / name
     if not program.exists():
         raise ToolError(f"{program} is not built: run ./scripts/setup")
+    source = newest(path for folder in ("src", "include", "bench") for path in (ROOT / folder).rglob("*"))
+    if source.stat().st_mtime > newest([*LIBRARIES.glob("*.so"), *PROGRAMS.iterdir()]).stat().st_mtime:
+        raise ToolError(f"{source.relative_to(ROOT)} is newer than the programs: run ./scripts/setup")
     return program
 
 

@@ -17,7 +17,7 @@ constexpr float kNoise = 0.5f;           // squared gradient [grey^2/px^2] that 
 constexpr int kReach_px = 7;             // how far a surface is averaged, along rows and columns
 constexpr float kSameSurface_px = 1.0f;  // neighbours that differ by less, the more the less they differ
 constexpr int kSteps = 2;                // of registration: a match may be off by more than one mends
-constexpr double kThin = 0.35;           // of the neighbours on the same surface: fewer belong to a thin thing
+constexpr double kThin = 0.45;           // of the neighbours on the same surface: fewer belong to a thin thing
 
 /// Planes of a row: 1, residual e, gradient g, e g, g^2; all 0 where there is no disparity.
 constexpr int kPlanes = 5;
@@ -66,26 +66,26 @@ FLIGHT_CORRIDOR_WIDE void step(const float* sums, const float* disparity_px, int
 
 /// Sums over the neighbours of each pixel of a row.
 struct Neighbours {
-  Neighbours(float* sums, int cols) : difference_px(sums), same(sums + cols), count(sums + 2 * cols) {}
+  Neighbours(float* sums, int cols) : values(sums), same(sums + cols), count(sums + 2 * cols) {}
 
-  float* difference_px;  // weighted by
-  float* same;           // how much each lies on the same surface [0..1]
-  float* count;          // of those that have a disparity
+  float* values;  // weighted by
+  float* same;    // how much each lies on the same surface [0..1]
+  float* count;   // of those that have a disparity
 };
 
 /// Adds one neighbour each. The compiler reckons several at once: without __restrict, or with another choice that
 /// depends on the same comparison, it does not and is ten times slower.
-FLIGHT_CORRIDOR_WIDE void add(const float* __restrict neighbour, const float* __restrict centre, int length,
-                              float* __restrict sum_px, float* __restrict same, float* __restrict count) {
+FLIGHT_CORRIDOR_WIDE void add(const float* __restrict neighbour_px, const float* __restrict centre_px,
+                              const float* __restrict value, int length, float* __restrict values,
+                              float* __restrict same, float* __restrict count) {
   for (int i = 0; i < length; ++i) {
-    const float difference_px = neighbour[i] - centre[i];
-    const float away = difference_px / kSameSurface_px;
+    const float away = (neighbour_px[i] - centre_px[i]) / kSameSurface_px;
     const float closeness = 1.0f - away * away;
     const float weight = closeness > 0.0f ? closeness : 0.0f;  // 0 also of NaN
-    const float weighted_px = weight * difference_px;
-    sum_px[i] += weighted_px == weighted_px ? weighted_px : 0.0f;
+    const float weighted = weight * value[i];
+    values[i] += weighted == weighted ? weighted : 0.0f;
     same[i] += weight;
-    count[i] += neighbour[i] == neighbour[i] ? 1.0f : 0.0f;
+    count[i] += neighbour_px[i] == neighbour_px[i] ? 1.0f : 0.0f;
   }
 }
 
@@ -100,13 +100,23 @@ void DisparityRefiner::refine(const cv::Mat& left, const cv::Mat& right, cv::Mat
       }
     });
   };
-  for (cv::Mat* image : {&registered_, &smoothed_, &row_share_, &column_share_}) image->create(left.size(), CV_32FC1);
+  for (cv::Mat* image : {&registered_, &smoothed_, &row_share_, &column_share_, &share_}) {
+    image->create(left.size(), CV_32FC1);
+  }
+  const auto average = [&](const cv::Mat& surfaces_px, const cv::Mat& values, cv::Point step, cv::Mat& mean,
+                           cv::Mat& own_share) {
+    eachBand([&](cv::Range rows, Band& band) { averageRows(surfaces_px, values, step, rows, mean, own_share, band); });
+  };
+  const cv::Point kAlongRow(1, 0), kAlongColumn(0, 1);
   for (int i = 0; i < kSteps; ++i) {
     eachBand([&](cv::Range rows, Band& band) { registerRows(left, right, disparity_px, rows, band); });
-    eachBand([&](cv::Range rows, Band& band) { smooth(registered_, smoothed_, row_share_, {1, 0}, rows, band); });
-    eachBand([&](cv::Range rows, Band& band) { smooth(smoothed_, disparity_px, column_share_, {0, 1}, rows, band); });
+    average(registered_, registered_, kAlongRow, smoothed_, row_share_);
+    average(smoothed_, smoothed_, kAlongColumn, disparity_px, column_share_);
   }
-  cv::compare(row_share_.mul(column_share_), kThin, thin, cv::CMP_LT);
+  cv::multiply(row_share_, column_share_, share_);
+  average(disparity_px, share_, kAlongRow, smoothed_, row_share_);
+  average(disparity_px, smoothed_, kAlongColumn, share_, column_share_);
+  cv::compare(share_, kThin, thin, cv::CMP_LT);
 }
 
 /// R(u - d - step) = L(u) to first order, in the least-squares sense over a window, whatever the exposures' difference.
@@ -133,28 +143,28 @@ void DisparityRefiner::registerRows(const cv::Mat& left, const cv::Mat& right, c
   }
 }
 
-/// The mean of the neighbours along one direction that lie on the same surface.
+/// The mean of what the neighbours along one direction have that lie on the same surface.
 /// @param own_share of the neighbours that have a disparity, those on the same surface; 1 where there is none.
-void DisparityRefiner::smooth(const cv::Mat& in, cv::Mat& out, cv::Mat& own_share, cv::Point step, cv::Range rows,
-                              Band& band) {
-  band.sums.resize(static_cast<std::size_t>(3 * in.cols));
-  Neighbours neighbours(band.sums.data(), in.cols);
+void DisparityRefiner::averageRows(const cv::Mat& surfaces_px, const cv::Mat& values, cv::Point step, cv::Range rows,
+                                   cv::Mat& mean, cv::Mat& own_share, Band& band) {
+  const cv::Size size = surfaces_px.size();
+  band.sums.resize(static_cast<std::size_t>(3 * size.width));
+  const Neighbours sums(band.sums.data(), size.width);
   for (int v = rows.start; v < rows.end; ++v) {
-    const auto* centre = in.ptr<float>(v);
+    const auto* centre_px = surfaces_px.ptr<float>(v);
     std::fill(band.sums.begin(), band.sums.end(), 0.0f);
     for (int k = -kReach_px; k <= kReach_px; ++k) {
-      if (v + k * step.y < 0 || v + k * step.y >= in.rows) continue;
-      const auto* row = in.ptr<float>(v + k * step.y);
-      const int shift = k * step.x;
-      const int first = std::max(0, -shift), last = std::min(in.cols, in.cols - shift);
-      add(row + shift + first, centre + first, last - first, neighbours.difference_px + first, neighbours.same + first,
-          neighbours.count + first);
+      const int row = v + k * step.y, shift = k * step.x;
+      if (row < 0 || row >= size.height) continue;
+      const int first = std::max(0, -shift), last = std::min(size.width, size.width - shift);
+      add(surfaces_px.ptr<float>(row) + shift + first, centre_px + first, values.ptr<float>(row) + shift + first,
+          last - first, sums.values + first, sums.same + first, sums.count + first);
     }
-    auto* mean = out.ptr<float>(v);
+    auto* out = mean.ptr<float>(v);
     auto* share = own_share.ptr<float>(v);
-    for (int u = 0; u < in.cols; ++u) {
-      mean[u] = centre[u] + neighbours.difference_px[u] / neighbours.same[u];  // 0 / 0 only where centre is NaN
-      share[u] = neighbours.same[u] > 0.0f ? neighbours.same[u] / neighbours.count[u] : 1.0f;
+    for (int u = 0; u < size.width; ++u) {
+      out[u] = sums.values[u] / sums.same[u];  // 0 / 0 only where there is no disparity
+      share[u] = sums.same[u] > 0.0f ? sums.same[u] / sums.count[u] : 1.0f;
     }
   }
 }

@@ -80,6 +80,18 @@ TEST(DisparityRefiner, WhatIsAmongMoreOfOtherSurfacesIsThin) {
   EXPECT_EQ(cv::countNonZero(thin), 0);
 }
 
+TEST(DisparityRefiner, AThingsMiddleIsNoLessThinThanItsEdgesAndAWallsCornerIsNot) {
+  const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));
+  const auto thin_of = [&](const cv::Rect& thing) {
+    cv::Mat disparity_px(blank.size(), CV_32FC1, cv::Scalar(5.0));
+    disparity_px(thing).setTo(11.0);
+    return cv::Mat(refine(blank, blank, disparity_px)(thing));
+  };
+  const cv::Mat leaf = thin_of({100, 50, 11, 11});
+  EXPECT_NE(leaf.at<std::uint8_t>(5, 5), 0);                   // of what is around it most is its own
+  EXPECT_EQ(cv::countNonZero(thin_of({100, 50, 16, 16})), 0);  // of what is around its corners little is
+}
+
 TEST(DisparityRefiner, NoiseOnOneSurfaceIsAveraged) {
   const cv::Mat blank(120, 240, CV_8UC1, cv::Scalar(90));
   cv::Mat disparity_px(blank.size(), CV_32FC1);

@@ -15,8 +15,8 @@ class DisparityRefiner {
  public:
   /// @param left, right rectified, CV_8UC1, same size.
   /// @param disparity_px CV_32FC1 of that size, u_left - u_right, NaN = none; refined in place. What was NaN stays NaN.
-  /// @param thin CV_8U of that size, refilled: 255 where most disparities around are of other surfaces. They draw it to
-  /// themselves: it is less exact.
+  /// @param thin CV_8U of that size, refilled: 255 on things so thin that most disparities around their pixels are of
+  /// other surfaces. Those draw them to themselves: they are less exact.
   void refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px, cv::Mat& thin);
 
  private:
@@ -24,11 +24,12 @@ class DisparityRefiner {
     std::vector<float> products, rows, sums;
   };
   void registerRows(const cv::Mat& left, const cv::Mat& right, const cv::Mat& disparity_px, cv::Range rows, Band& band);
-  static void smooth(const cv::Mat& in, cv::Mat& out, cv::Mat& own_share, cv::Point step, cv::Range rows, Band& band);
+  static void averageRows(const cv::Mat& surfaces_px, const cv::Mat& values, cv::Point step, cv::Range rows,
+                          cv::Mat& mean, cv::Mat& own_share, Band& band);
 
   std::array<Band, 8> bands_;
   cv::Mat registered_, smoothed_;
-  cv::Mat row_share_, column_share_;  // of the neighbours along a row, a column: those on the same surface
+  cv::Mat row_share_, column_share_, share_;  // of the neighbours along each and both: those on the same surface
 };
 
 }  // namespace flight_corridor
