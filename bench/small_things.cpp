@@ -1,5 +1,4 @@
-// How small a thing is seen at which distance: balls and boxes of many paints in the corridor, beside the beam, before
-// a wall; one stereo pair each, and no LiDAR.
+// How small a thing is seen at which distance, and how well one close before a wall: one stereo pair each, no LiDAR.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -17,23 +16,16 @@ using namespace flight_corridor;
 
 constexpr std::array<double, 6> kSizes_m{0.06, 0.08, 0.10, 0.12, 0.16, 0.20};
 constexpr std::array<double, 4> kDistances_m{2.0, 2.5, 3.0, 3.6};
+constexpr std::array<double, 4> kWidths_m{0.04, 0.06, 0.08, 0.12};
+constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
 
-/// Of the camera at the height of flight, x ahead.
-StereoFrame pairOf(double size_m, double distance_m, std::uint64_t seed) {
-  sim::Random random(seed, sim::Stream::Scene);
+using World = std::vector<sim::Primitive>;
+
+/// Of the camera at the height of flight, its lens above W's origin.
+StereoFrame pairOf(const World& world, std::uint64_t seed) {
   const sim::Rig rig = sim::defaultRig();
   Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
-  T_W_B.translation().z() = sim::kHeight_m;
-  const Eigen::Vector3d camera_W = (T_W_B * rig.T_B_C).translation();
-  const double wall_m = random.uniform(5.5, 11.0);
-  const double beside_m = random.eitherSign(0.15, 0.45), above_m = random.uniform(-0.1, 0.1);
-  const double grey = random.uniform(0.15, 0.8), contrast = random.uniform(0.1, 0.35);
-  const sim::Material paint = sim::textured(random, grey, contrast, 0.16);
-  const Eigen::Vector3d middle_W = camera_W + Eigen::Vector3d(distance_m + size_m / 2.0, beside_m, above_m);
-  const std::vector<sim::Primitive> world{sim::backdrop(camera_W.x() + wall_m, sim::masonry(random)),
-                                          random.chance(0.5)
-                                              ? sim::makeSphere(middle_W, size_m / 2.0, paint)
-                                              : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+  T_W_B.translation() = Eigen::Vector3d(0.0, 0.0, sim::kHeight_m) - rig.T_B_C.translation();
   StereoFrame pair;
   pair.stamp_s = 1.0;
   pair.left = sim::expose(sim::render(world, sim::leftCamera(rig, T_W_B)).radiance, rig.left, 2 * seed);
@@ -41,21 +33,50 @@ StereoFrame pairOf(double size_m, double distance_m, std::uint64_t seed) {
   return pair;
 }
 
-}  // namespace
+/// From dark to bright.
+sim::Material anyPaint(sim::Random& random) {
+  const double grey = random.uniform(0.15, 0.8), contrast = random.uniform(0.1, 0.35);
+  return sim::textured(random, grey, contrast, 0.16);
+}
 
-int main(int argc, char** argv) {
-  const int things = argc > 1 ? std::atoi(argv[1]) : 20;
-  std::printf("Verdicts FREE / UNKNOWN / BLOCKED of %d things each, by size and distance.\n%6s |", things, "size");
-  for (const double distance_m : kDistances_m) std::printf("   %.1f m    |", distance_m);
+/// A ball or a box in the corridor, beside the beam, before a far wall.
+World smallThing(double size_m, double distance_m, sim::Random& random) {
+  const double wall_m = random.uniform(5.5, 11.0);
+  const double beside_m = random.eitherSign(0.15, 0.45), above_m = random.uniform(-0.1, 0.1);
+  const sim::Material paint = anyPaint(random);
+  const Eigen::Vector3d middle_W(distance_m + size_m / 2.0, beside_m, sim::kHeight_m + above_m);
+  return {sim::backdrop(wall_m, sim::masonry(random)),
+          random.chance(0.5) ? sim::makeSphere(middle_W, size_m / 2.0, paint)
+                             : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+}
+
+/// A round or a square post in the corridor, beside the beam, before a wall beyond the corridor's end.
+World postBeforeWall(double width_m, double distance_m, sim::Random& random) {
+  const double wall_m = distance_m + random.uniform(0.25, 0.7);
+  const double beside_m = random.eitherSign(0.1, 0.5);
+  const sim::Material paint = anyPaint(random);
+  const double middle_m = distance_m + width_m / 2.0;
+  return {sim::backdrop(wall_m, sim::masonry(random)),
+          random.chance(0.5) ? sim::uprightPole(middle_m, beside_m, width_m / 2.0, 4.0, paint)
+                             : sim::makeBox({middle_m, beside_m, 2.0}, {width_m, width_m, 4.0}, paint)};
+}
+
+/// A row for each size, a column for each distance.
+template <class Sizes, class Distances, class Build>
+void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int things,
+                   const Build& build) {
+  std::printf("FREE / UNKNOWN / BLOCKED of %d %s\n%6s |", things, title, "size");
+  for (const double distance_m : distances_m) std::printf("   %.2f m   |", distance_m);
   std::printf("\n");
   const StereoGeometry geometry(sim::defaultRig().calibration);
-  for (const double size_m : kSizes_m) {
+  for (const double size_m : sizes_m) {
     std::printf("%.2f m |", size_m);
-    for (const double distance_m : kDistances_m) {
+    for (const double distance_m : distances_m) {
       std::array<int, 3> counts{};
-      for (int seed = 1; seed <= things; ++seed) {
+      for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(things); ++seed) {
+        sim::Random random(seed, sim::Stream::Scene);
+        const StereoFrame pair = pairOf(build(size_m, distance_m, random), seed);
         Pipeline pipeline(Config(), geometry, Rig());
-        const StereoFrame pair = pairOf(size_m, distance_m, static_cast<std::uint64_t>(seed));
         ++counts.at(static_cast<std::size_t>(pipeline.process(pair).verdict.state));
       }
       std::printf(" %2d / %2d / %2d |", counts[static_cast<std::size_t>(State::Free)],
@@ -64,4 +85,14 @@ int main(int argc, char** argv) {
     }
     std::printf("\n");
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int things = argc > 1 ? std::atoi(argv[1]) : 20;
+  printVerdicts("balls and boxes each", kSizes_m, kDistances_m, things, smallThing);
+  std::printf("\n");
+  printVerdicts("posts each, 0.25 to 0.7 m before a wall (the corridor ends at 4 m)", kWidths_m, kPostDistances_m,
+                things, postBeforeWall);
 }

@@ -9,10 +9,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
-constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
-constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
-constexpr std::uint32_t kMapInDoubt =      // reasons of a frame that left no evidence in the map, or none to trust
+constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity | kFrozenImage;
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
@@ -28,8 +25,6 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
-
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
   return config;
@@ -42,9 +37,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       geometry_(geometry),
       rig_(rig),
       disparity_estimator_(config.stereo, geometry),
-      beam_(config.lidar, geometry, rig.T_C_L.value_or(opticalFromForward())),
-      fusion_(config.fusion),
-      scale_(config.scale),
+      range_tracker_(config, geometry, rig.T_C_L),
       cloud_builder_(config.cloud, geometry),
       map_(config.map, geometry),
       corridor_(config.corridor) {
@@ -55,21 +48,15 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
 }
 
 Outcome Pipeline::addRange(const RangeReading& reading) {
+  const Outcome outcome = range_tracker_.addRange(reading);
   ++counters_.lidar_readings;
-  Outcome outcome = Outcome::Invalid;
-  const bool in_range = std::max(reading.min_range_m, config_.lidar.min_range_m) <= reading.range_m &&
-                        reading.range_m <= std::min(reading.max_range_m, config_.lidar.max_range_m);
-  if (rig_.T_C_L && in_range) {
-    outcome = fusion_.add(Sensor::Lidar, reading.stamp_s, reading.range_m, config_.fusion.lidar_variance_m2);
-  }
   counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
   counters_.lidar_gated += outcome == Outcome::Gated;
-  lidar_.add(reading, isFused(outcome));
   return outcome;
 }
 
 void Pipeline::addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
-  fusion_.addAcceleration(stamp_s, beam_.along(acceleration_C_mps2));
+  range_tracker_.addAcceleration(stamp_s, acceleration_C_mps2);
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -89,11 +76,11 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.fusion_ms);
-    fuseRange(frame.stamp_s);
+    trackRange();
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
-    cloud_builder_.depth(disparity_, scale_, depth_);
+    cloud_builder_.depth(disparity_, range_tracker_.scale(), depth_);
   }
   {
     const Stopwatch stage(report_.times.map_ms);
@@ -123,54 +110,11 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
   return report_;
 }
 
-/// D_c from the beam's footprint, d_K from both sensors, and what the two teach about the rig's scale.
-void Pipeline::fuseRange(double stamp_s) {
-  const RangeEstimate expected = fusion_.at(stamp_s);
-  auto stereo = beam_.read(disparity_.matched_px, expected.range_m, lidar_.beamWidth());
-  if (stereo) {
-    learnScale(stamp_s, *stereo, expected);
-  } else {
-    stereo = beam_.read(disparity_.filtered_px, expected.range_m, lidar_.beamWidth());
-    if (stereo) stereo->disparity_sigma_px = std::hypot(stereo->disparity_sigma_px, kFillSigma_px);
-  }
-  double reference_px = geometry_.disparity(kReferenceDepth_m);
-  if (stereo) {
-    reference_px = stereo->disparity_px;
-    report_.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
-    const double variance_m2 = stereoVariance(*stereo);
-    counters_.stereo_gated +=
-        fusion_.add(Sensor::Stereo, stamp_s, report_.range_stereo_m, variance_m2) == Outcome::Gated;
-  }
-  report_.range = fusion_.at(stamp_s);
-  report_.range_lidar_m = lidarRange(stamp_s);
-  report_.scale = scale_.scale(reference_px);
-  report_.scale_sigma = scale_.sigma(reference_px);
+void Pipeline::trackRange() {
+  TrackedRange& tracked = report_;
+  tracked = range_tracker_.update(report_.verdict.stamp_s, disparity_);
+  counters_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
 }
-
-/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d). Not
-/// what is unknown of the scale: it is the same in all readings, and would hide their jumps from the gate.
-double Pipeline::stereoVariance(const FootprintReading& stereo) const {
-  const double depth_m = geometry_.depth(stereo.disparity_px);
-  const double match_m = geometry_.depthSigma(depth_m, config_.fusion.disparity_sigma_px);
-  const double spread_m = geometry_.depthSigma(depth_m, stereo.disparity_sigma_px);
-  return config_.fusion.stereo_variance_m2 + match_m * match_m + spread_m * spread_m;
-}
-
-/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
-/// and one that repeats itself may be frozen: the scale would follow it away from the truth.
-void Pipeline::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
-  const bool has_lidar = std::isfinite(lidarRange(stamp_s)) && !lidar_.repeatsItself();
-  if (!has_lidar || expected.disagreement || !std::isfinite(expected.range_m)) return;
-  if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo speak of different surfaces
-  const double depth_m = beam_.depth(expected.range_m);
-  const double expected_px = geometry_.disparity(depth_m);
-  const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;
-  const double measured_sigma_px = std::hypot(config_.scale.disparity_sigma_px, stereo.disparity_sigma_px);
-  scale_.update(stamp_s, stereo.disparity_px, expected_px, measured_sigma_px, expected_sigma_px);
-}
-
-/// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
-double Pipeline::lidarRange(double stamp_s) const { return lidar_.range(stamp_s, config_.fusion.max_gap_s); }
 
 /// An image in which something was lost clears nothing: what the map calls free is believed by others, and later.
 void Pipeline::updateMap() {
@@ -183,8 +127,8 @@ void Pipeline::updateMap() {
   }
   map_.insert(depth_.filled_m, T_M_C_, !is_unmatched_, disparity_.thin);
   if (const double range_m = report_.range.range_m;
-      std::isfinite(lidarRange(report_.verdict.stamp_s)) && range_m <= config_.map.max_range_m) {
-    map_.insertBeam(T_M_C_ * beam_.point(0.0), T_M_C_ * beam_.point(range_m), true);
+      std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
+    map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m), true);
   }
 }
 
@@ -227,10 +171,7 @@ void Pipeline::decide() {
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(is_unmatched_, kUnmatched);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  because(report_.range.disagreement, kDisagreement);
-  because(std::isnan(report_.range_lidar_m) || lidar_.isSlow(verdict.stamp_s), kNoLidar);
-  because(lidar_.isRejected(), kLidarRejected);
-  because(std::isnan(report_.range.range_m), kNoRangeObserved);
+  verdict.reasons |= report_.range_reasons;
   verdict.state = state(verdict.reasons);
 }
 
@@ -285,9 +226,10 @@ std::optional<double> Pipeline::beamEndInBox() const {
   }
   if (!std::isfinite(nearest_m)) return std::nullopt;
   const Box box = boxInCamera();
-  const bool ends_inside = contains(box, beam_.point(range_m)) || contains(box, beam_.point(nearest_m));
+  const bool ends_inside =
+      contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
   if (!ends_inside) return std::nullopt;  // a large sigma reaches behind the box
-  return std::clamp((box.T_M_F.inverse() * beam_.point(range_m)).x(), 0.0, box.size_m.x());
+  return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
 }
 
 const Cloud& Pipeline::cloud() {
@@ -299,10 +241,8 @@ const Cloud& Pipeline::cloud() {
 }
 
 void Pipeline::reset() {
-  fusion_.reset();
-  scale_.reset();
+  range_tracker_.reset();
   map_.clear();
-  lidar_ = LidarWatch();
   images_ = ImageWatch();
   blocked_s_ = -kInfinity;
   report_ = Report();

@@ -161,23 +161,6 @@ TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud)
   EXPECT_TRUE(followed);
 }
 
-TEST(Pipeline, ALidarThatRepeatsItselfTeachesNoScale) {
-  for (const bool repeats : {true, false}) {
-    Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-    for (int i = 0; i < 4; ++i) pipeline.addRange(reading(0.99 + 0.002 * i, 7.3 + (repeats ? 0.0 : 0.001 * i)));
-    for (int i = 0; i < 10; ++i) {
-      pipeline.addRange(reading(1.0 + 0.05 * i, 7.3 + (repeats ? 0.0 : 0.001 * (i % 2))));
-      pipeline.process(wallFrame(kGeometry, 3, 1.0 + 0.05 * i));  // 7 m
-    }
-    const double scale = pipeline.process(wallFrame(kGeometry, 3, 1.5)).scale;
-    if (repeats) {
-      EXPECT_DOUBLE_EQ(scale, 1.0);
-    } else {
-      EXPECT_NEAR(scale, 7.3 / 7.0, 0.02);
-    }
-  }
-}
-
 TEST(Pipeline, AfterBlockedNothingIsFreeForTheHoldTime) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 7, 1.0)).verdict.state, State::Blocked);

@@ -3,16 +3,13 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "flight_corridor/beam_footprint.hpp"
 #include "flight_corridor/cloud_builder.hpp"
 #include "flight_corridor/config.hpp"
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/image_watch.hpp"
-#include "flight_corridor/lidar_watch.hpp"
 #include "flight_corridor/occupancy_map.hpp"
-#include "flight_corridor/range_fusion.hpp"
-#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/range_tracker.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/surface_in_box.hpp"
 #include "flight_corridor/types.hpp"
@@ -31,13 +28,8 @@ struct Rig {
 };
 
 /// Everything that one stereo pair gave.
-struct Report {
+struct Report : TrackedRange {
   Verdict verdict;
-  RangeEstimate range;           ///< d_K at the frame's stamp.
-  double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the frame, within fusion/max_gap_s.
-  double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
-  double scale = 1.0;            ///< Depth after / before correction, at D_c (at 4 m without one).
-  double scale_sigma = kNaN;
   StageTimes times;
 };
 
@@ -101,10 +93,7 @@ class Pipeline {
  private:
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
-  void fuseRange(double stamp_s);
-  double stereoVariance(const FootprintReading& stereo) const;
-  void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
-  double lidarRange(double stamp_s) const;
+  void trackRange();
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
   void decide();
@@ -118,9 +107,7 @@ class Pipeline {
   StereoGeometry geometry_;
   Rig rig_;
   DisparityEstimator disparity_estimator_;
-  BeamFootprint beam_;
-  RangeFusion fusion_;
-  ScaleCorrection scale_;
+  RangeTracker range_tracker_;
   CloudBuilder cloud_builder_;
   OccupancyMap map_;
   std::optional<OccupancyMap>
@@ -128,7 +115,6 @@ class Pipeline {
   Corridor corridor_;
 
   double blocked_s_ = -kInfinity;  // stamp of the last BLOCKED
-  LidarWatch lidar_;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   bool is_unmatched_ = false;       // too much texture of the last pair, that would fit in the corridor

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "flight_corridor/beam_footprint.hpp"
+#include "flight_corridor/config.hpp"
+#include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/lidar_watch.hpp"
+#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+/// What is known of the beam at one stereo pair.
+struct TrackedRange {
+  RangeEstimate range;           ///< d_K at the pair's stamp.
+  double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
+  double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
+  double scale = 1.0;            ///< Depth after / before correction, at D_c (at 4 m without one).
+  double scale_sigma = kNaN;
+  Outcome stereo_outcome = Outcome::Invalid;  ///< What became of D_c; Invalid without one.
+  std::uint32_t range_reasons = 0;  ///< DISAGREEMENT, NO_LIDAR, LIDAR_REJECTED, NO_RANGE_OBSERVED where they hold.
+};
+
+/// How far the surface on the LiDAR's beam is: d_K from the LiDAR's readings and from stereo's, and what the two teach
+/// about the rig's scale.
+class RangeTracker {
+ public:
+  /// @param T_C_L LiDAR to left optical frame; without it readings are not used, and the beam is the camera's axis.
+  /// @throws std::invalid_argument with every broken rule.
+  RangeTracker(const Config& config, const StereoGeometry& geometry, const std::optional<Eigen::Isometry3d>& T_C_L);
+
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).
+  Outcome addRange(const RangeReading& reading);
+
+  /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
+  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2);
+
+  /// Fuses what a stereo pair shows on the beam.
+  TrackedRange update(double stamp_s, const Disparity& disparity);
+
+  /// Point of C at a range along the beam [m].
+  Eigen::Vector3d point(double range_m) const { return beam_.point(range_m); }
+  const ScaleCorrection& scale() const { return scale_; }
+  void reset();
+
+ private:
+  double stereoVariance(const FootprintReading& stereo) const;
+  void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
+  double lidarRange(double stamp_s) const;
+  std::uint32_t reasons(double stamp_s, const TrackedRange& tracked) const;
+
+  LidarConfig lidar_config_;
+  FusionConfig fusion_config_;
+  ScaleConfig scale_config_;
+  StereoGeometry geometry_;
+  bool has_lidar_;
+  BeamFootprint beam_;
+  RangeFusion fusion_;
+  ScaleCorrection scale_;
+  LidarWatch lidar_;
+};
+
+}  // namespace flight_corridor

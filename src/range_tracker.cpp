@@ -1,0 +1,108 @@
+#include "flight_corridor/range_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
+constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
+constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
+
+bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
+
+}  // namespace
+
+RangeTracker::RangeTracker(const Config& config, const StereoGeometry& geometry,
+                           const std::optional<Eigen::Isometry3d>& T_C_L)
+    : lidar_config_(config.lidar),
+      fusion_config_(config.fusion),
+      scale_config_(config.scale),
+      geometry_(geometry),
+      has_lidar_(T_C_L.has_value()),
+      beam_(config.lidar, geometry, T_C_L.value_or(opticalFromForward())),
+      fusion_(config.fusion),
+      scale_(config.scale) {}
+
+Outcome RangeTracker::addRange(const RangeReading& reading) {
+  Outcome outcome = Outcome::Invalid;
+  const bool in_range = std::max(reading.min_range_m, lidar_config_.min_range_m) <= reading.range_m &&
+                        reading.range_m <= std::min(reading.max_range_m, lidar_config_.max_range_m);
+  if (has_lidar_ && in_range) {
+    outcome = fusion_.add(Sensor::Lidar, reading.stamp_s, reading.range_m, fusion_config_.lidar_variance_m2);
+  }
+  lidar_.add(reading, isFused(outcome));
+  return outcome;
+}
+
+void RangeTracker::addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
+  fusion_.addAcceleration(stamp_s, beam_.along(acceleration_C_mps2));
+}
+
+TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
+  TrackedRange tracked;
+  const RangeEstimate expected = fusion_.at(stamp_s);
+  auto stereo = beam_.read(disparity.matched_px, expected.range_m, lidar_.beamWidth());
+  if (stereo) {
+    learnScale(stamp_s, *stereo, expected);
+  } else {
+    stereo = beam_.read(disparity.filtered_px, expected.range_m, lidar_.beamWidth());
+    if (stereo) stereo->disparity_sigma_px = std::hypot(stereo->disparity_sigma_px, kFillSigma_px);
+  }
+  double reference_px = geometry_.disparity(kReferenceDepth_m);
+  if (stereo) {
+    reference_px = stereo->disparity_px;
+    tracked.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
+    tracked.stereo_outcome = fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo));
+  }
+  tracked.range = fusion_.at(stamp_s);
+  tracked.range_lidar_m = lidarRange(stamp_s);
+  tracked.scale = scale_.scale(reference_px);
+  tracked.scale_sigma = scale_.sigma(reference_px);
+  tracked.range_reasons = reasons(stamp_s, tracked);
+  return tracked;
+}
+
+std::uint32_t RangeTracker::reasons(double stamp_s, const TrackedRange& tracked) const {
+  std::uint32_t reasons = 0;
+  if (tracked.range.disagreement) reasons |= kDisagreement;
+  if (std::isnan(tracked.range_lidar_m) || lidar_.isSlow(stamp_s)) reasons |= kNoLidar;
+  if (lidar_.isRejected()) reasons |= kLidarRejected;
+  if (std::isnan(tracked.range.range_m)) reasons |= kNoRangeObserved;
+  return reasons;
+}
+
+/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d). Not
+/// what is unknown of the scale: it is the same in all readings, and would hide their jumps from the gate.
+double RangeTracker::stereoVariance(const FootprintReading& stereo) const {
+  const double depth_m = geometry_.depth(stereo.disparity_px);
+  const double match_m = geometry_.depthSigma(depth_m, fusion_config_.disparity_sigma_px);
+  const double spread_m = geometry_.depthSigma(depth_m, stereo.disparity_sigma_px);
+  return fusion_config_.stereo_variance_m2 + match_m * match_m + spread_m * spread_m;
+}
+
+/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
+/// and one that repeats itself may be frozen: the scale would follow it away from the truth.
+void RangeTracker::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
+  const bool has_reading = std::isfinite(lidarRange(stamp_s)) && !lidar_.repeatsItself();
+  if (!has_reading || expected.disagreement || !std::isfinite(expected.range_m)) return;
+  if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo speak of different surfaces
+  const double depth_m = beam_.depth(expected.range_m);
+  const double expected_px = geometry_.disparity(depth_m);
+  const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;
+  const double measured_sigma_px = std::hypot(scale_config_.disparity_sigma_px, stereo.disparity_sigma_px);
+  scale_.update(stamp_s, stereo.disparity_px, expected_px, measured_sigma_px, expected_sigma_px);
+}
+
+/// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
+double RangeTracker::lidarRange(double stamp_s) const { return lidar_.range(stamp_s, fusion_config_.max_gap_s); }
+
+void RangeTracker::reset() {
+  fusion_.reset();
+  scale_.reset();
+  lidar_ = LidarWatch();
+}
+
+}  // namespace flight_corridor

@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core/mat.hpp>
+
+#include "flight_corridor/range_tracker.hpp"
+#include "support/calibrations.hpp"
+#include "support/pipeline_inputs.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using namespace test_support;
+const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
+
+cv::Mat uniform(double disparity_px) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
+
+/// A surface across the view.
+Disparity showing(double matched_px, double filled_px = kNaN) {
+  Disparity disparity;
+  disparity.matched_px = uniform(matched_px);
+  disparity.filtered_px = uniform(filled_px);
+  return disparity;
+}
+
+RangeTracker trackerWithLidar() { return {Config(), kGeometry, rigWithLidar().T_C_L}; }
+
+/// Half a second of both sensors; a LiDAR that repeats itself does so to the last bit.
+TrackedRange trackedFor(RangeTracker& tracker, double lidar_m, const Disparity& disparity, bool repeats = false) {
+  TrackedRange tracked;
+  for (int i = 0; i < 50; ++i) {
+    const double stamp_s = 1.0 + 0.01 * i;
+    tracker.addRange(reading(stamp_s, lidar_m + (repeats ? 0.0 : 0.001 * (i % 2))));
+    if (i % 5 == 4) tracked = tracker.update(stamp_s, disparity);
+  }
+  return tracked;
+}
+
+TEST(RangeTracker, BothSensorsTellOneRange) {
+  RangeTracker tracker = trackerWithLidar();
+  const TrackedRange tracked = trackedFor(tracker, 3.0, showing(7.0));
+  EXPECT_NEAR(tracked.range.range_m, 3.0, 0.01);
+  EXPECT_NEAR(tracked.range_lidar_m, 3.0, 0.002);
+  EXPECT_NEAR(tracked.range_stereo_m, 3.0, 1e-6);
+  EXPECT_EQ(tracked.stereo_outcome, Outcome::Accepted);
+  EXPECT_EQ(tracked.scale, 1.0);
+  EXPECT_EQ(tracked.range_reasons, 0u);
+}
+
+TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
+  RangeTracker tracker(Config(), kGeometry, std::nullopt);
+  tracker.update(1.0, showing(7.0));
+  const TrackedRange tracked = tracker.update(1.05, showing(7.0));
+  EXPECT_NEAR(tracked.range.range_m, 3.0, 1e-6);
+  EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
+  EXPECT_EQ(tracked.range_reasons, kNoLidar);
+}
+
+TEST(RangeTracker, AReadingOfALidarWhosePlaceIsUnknownIsNotUsed) {
+  RangeTracker tracker(Config(), kGeometry, std::nullopt);
+  EXPECT_EQ(tracker.addRange(reading(1.0, 3.0)), Outcome::Invalid);
+  const TrackedRange tracked = tracker.update(1.0, showing(kNaN));
+  EXPECT_EQ(tracked.range_reasons, kNoLidar | kLidarRejected | kNoRangeObserved);
+  EXPECT_EQ(tracked.stereo_outcome, Outcome::Invalid);
+}
+
+TEST(RangeTracker, AMatchThatDiffersFromTheLidarTeachesTheScale) {
+  RangeTracker tracker = trackerWithLidar();
+  EXPECT_NEAR(trackedFor(tracker, 7.3, showing(3.0)).scale, 7.3 / 7.0, 0.02);
+  tracker.reset();
+  EXPECT_EQ(tracker.scale().scale(3.0), 1.0);
+}
+
+TEST(RangeTracker, ALidarThatRepeatsItselfTeachesNoScale) {
+  RangeTracker tracker = trackerWithLidar();
+  EXPECT_EQ(trackedFor(tracker, 7.3, showing(3.0), true).scale, 1.0);
+}
+
+TEST(RangeTracker, AFillIsReadWhereNothingMatchesAndTeachesNothing) {
+  RangeTracker tracker = trackerWithLidar();
+  const TrackedRange tracked = trackedFor(tracker, 7.3, showing(kNaN, 3.0));
+  EXPECT_NEAR(tracked.range_stereo_m, 7.0, 1e-6);
+  EXPECT_EQ(tracked.scale, 1.0);
+}
+
+TEST(RangeTracker, AThingBesideTheBeamKeepsItFromTeachingTheScale) {
+  RangeTracker tracker = trackerWithLidar();
+  Disparity disparity = showing(3.0);
+  disparity.matched_px.colRange(165, 320).setTo(5.0);  // within six radii of the footprint, but not in it
+  const TrackedRange tracked = trackedFor(tracker, 7.3, disparity);
+  EXPECT_NEAR(tracked.range_stereo_m, 7.0, 1e-6);
+  EXPECT_EQ(tracked.scale, 1.0);
+}
+
+TEST(RangeTracker, SensorsThatDifferLastinglySaySo) {
+  RangeTracker tracker = trackerWithLidar();
+  const TrackedRange tracked = trackedFor(tracker, 4.7, showing(3.0));
+  EXPECT_TRUE(tracked.range_reasons & kDisagreement);
+  EXPECT_NEAR(tracked.range.range_m, 4.7, 0.02) << "the nearer one rules";
+}
+
+}  // namespace
+}  // namespace flight_corridor
