@@ -49,7 +49,7 @@ std::optional<Footprint> BeamFootprint::at(double range_m, double beam_width_rad
   const Eigen::Vector3d p_C = point(range_m);
   const Eigen::Vector2d centre_px = geometry_.project(p_C);
   if (!geometry_.contains(centre_px)) return std::nullopt;
-  const double width_rad = std::max(beam_width_rad, config_.min_beam_width_rad);
+  const double width_rad = std::fmax(beam_width_rad, config_.min_beam_width_rad);
   const double radius_m = range_m * std::tan(0.5 * std::min(width_rad, 1.0));
   return Footprint{centre_px, std::max(geometry_.calibration().fx_px * radius_m / p_C.z(), kSmallestRadius_px)};
 }

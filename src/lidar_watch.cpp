@@ -36,6 +36,10 @@ double LidarWatch::range(double stamp_s, double max_age_s) const {
   return fused_ && std::abs(stamp_s - newest_.stamp_s) <= max_age_s ? newest_.range_m : kNaN;
 }
 
+bool LidarWatch::isTooClose(double stamp_s, double max_age_s) const {
+  return newest_.range_m == -kInfinity && std::abs(stamp_s - newest_.stamp_s) <= max_age_s;
+}
+
 bool LidarWatch::repeatsItself() const { return repetitions_ >= kTooManyRepetitions; }
 
 bool LidarWatch::isSlow(double stamp_s) const { return rate(stamp_s) < kSlowShare * best_rate_hz_; }

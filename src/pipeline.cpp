@@ -85,6 +85,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.map_ms);
     is_unmatched_ = isUnmatched(boxInCamera());
+    report_.clears = isTrusted();
     updateMap();
   }
   {
@@ -116,16 +117,23 @@ void Pipeline::trackRange() {
   counters_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
 }
 
-/// An image in which something was lost clears nothing: what the map calls free is believed by others, and later.
+/// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and
+/// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing: what the map
+/// calls free is believed by others, and later.
+bool Pipeline::isTrusted() const {
+  const bool matches = disparity_.matched_fraction >= config_.stereo.min_matched_fraction;
+  return matches && image_faults_ == 0 && !is_unmatched_ && !report_.lidar_is_nearer;
+}
+
 void Pipeline::updateMap() {
   if (config_.map.frame_id.empty()) {
     map_.clear();
   } else {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
     frame_map_->clear();
-    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), !is_unmatched_, disparity_.thin);
+    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), report_.clears, disparity_.thin);
   }
-  map_.insert(depth_.filled_m, T_M_C_, !is_unmatched_, disparity_.thin);
+  map_.insert(depth_.filled_m, T_M_C_, report_.clears, disparity_.thin);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m), true);
@@ -177,12 +185,8 @@ void Pipeline::decide() {
 
 State Pipeline::state(std::uint32_t reasons) const {
   const State state = stateOf(reasons);
-  return state == State::Free && isCloudTooFar() ? State::Unknown : state;
+  return state == State::Free && report_.lidar_is_nearer ? State::Unknown : state;
 }
-
-/// A nearer LiDAR rules the beam alone: the cloud that it contradicts may be too far everywhere. One that is farther
-/// says nothing against the cloud.
-bool Pipeline::isCloudTooFar() const { return report_.range.stereo_disagrees && std::isfinite(report_.range_lidar_m); }
 
 UnmatchedTexture Pipeline::unmatchedTexture() const {
   return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth()};
@@ -211,7 +215,7 @@ Verdict Pipeline::query(const Box& box) const {
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
   if (!blocked && isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
-  if (isCloudTooFar()) verdict.reasons |= kDisagreement;
+  if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);
   return verdict;
 }
@@ -238,6 +242,11 @@ const Cloud& Pipeline::cloud() {
     cloud_is_current_ = true;
   }
   return cloud_;
+}
+
+void Pipeline::takeOver(const Pipeline& before) {
+  images_ = before.images_;
+  blocked_s_ = before.blocked_s_;
 }
 
 void Pipeline::reset() {

@@ -59,6 +59,8 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
   }
   tracked.range = fusion_.at(stamp_s);
   tracked.range_lidar_m = lidarRange(stamp_s);
+  const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
+  tracked.lidar_is_nearer = tracked.range.stereo_disagrees || too_close;
   tracked.scale = scale_.scale(reference_px);
   tracked.scale_sigma = scale_.sigma(reference_px);
   tracked.range_reasons = reasons(stamp_s, tracked);
@@ -67,7 +69,7 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
 
 std::uint32_t RangeTracker::reasons(double stamp_s, const TrackedRange& tracked) const {
   std::uint32_t reasons = 0;
-  if (tracked.range.disagreement) reasons |= kDisagreement;
+  if (tracked.range.disagreement || tracked.lidar_is_nearer) reasons |= kDisagreement;
   if (std::isnan(tracked.range_lidar_m) || lidar_.isSlow(stamp_s)) reasons |= kNoLidar;
   if (lidar_.isRejected()) reasons |= kLidarRejected;
   if (std::isnan(tracked.range.range_m)) reasons |= kNoRangeObserved;

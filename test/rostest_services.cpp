@@ -157,6 +157,9 @@ TEST_F(Asker, BeforeThereIsAPairNothingIsKnown) {
   QueryCorridor flat = boxFrom("left_optical", ahead_C());
   flat.request.height = 0.0;
   EXPECT_FALSE(ask(flat).success) << "no box, with a map or without";
+  QueryCorridor unturned = boxFrom("left_optical", ahead_C());
+  unturned.request.pose.pose.orientation = geometry_msgs::Quaternion();
+  EXPECT_FALSE(ask(unturned).success) << "no pose, with a map or without";
   std_srvs::Empty reset;
   EXPECT_TRUE(call("reset", reset));
 }

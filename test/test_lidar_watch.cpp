@@ -27,6 +27,18 @@ TEST(LidarWatch, KnowsNothingBeforeTheFirstReading) {
   EXPECT_EQ(watch.beamWidth(), 0.0);
 }
 
+TEST(LidarWatch, OnlyMinusInfinitySaysTooCloseAndOnlyWhileItIsNew) {
+  LidarWatch watch;
+  EXPECT_FALSE(watch.isTooClose(1.0, 0.5));
+  for (const double other_m : {kNaN, kInfinity, 0.0, 5.0}) {
+    watch.add(reading(1.0, other_m), false);
+    EXPECT_FALSE(watch.isTooClose(1.0, 0.5)) << other_m;
+  }
+  watch.add(reading(1.1, -kInfinity), false);
+  EXPECT_TRUE(watch.isTooClose(1.2, 0.5));
+  EXPECT_FALSE(watch.isTooClose(1.7, 0.5));
+}
+
 TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
   LidarWatch watch;
   watch.add(reading(1.0, 5.0), true);

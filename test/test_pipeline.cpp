@@ -144,7 +144,7 @@ TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
     if (i % 10 == 9) last = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict.state;
   }
   EXPECT_EQ(last, State::Unknown);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kDisagreement);
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kDisagreement | kUnobserved) << "nothing was cleared";
 }
 
 TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud) {
@@ -219,6 +219,21 @@ TEST(Pipeline, FrozenCamerasAreNeverFree) {
   const Report& report = pipeline.process(half);
   EXPECT_NE(report.verdict.state, State::Free);
   EXPECT_TRUE(report.verdict.reasons & kFrozenImage);
+}
+
+TEST(Pipeline, WhatIsNotTrustedClearsNothing) {
+  Config config;
+  config.map.frame_id = "odom";
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  EXPECT_TRUE(pipeline.process(frame, Eigen::Isometry3d::Identity()).clears);
+  const Eigen::Isometry3d turned(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
+  frame.stamp_s = 1.1;  // frozen, while the rig has turned to where nobody looked
+  EXPECT_FALSE(pipeline.process(frame, turned).clears);
+  EXPECT_EQ(pipeline.map().tree().search(1.45, 0.05, 0.05), nullptr);
+  pipeline.addRange(reading(1.2, -kInfinity));  // something is too close
+  EXPECT_FALSE(pipeline.process(wallFrame(kGeometry, 3, 1.2), turned).clears);
+  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 2.0), turned).clears);
 }
 
 TEST(Pipeline, FrozenCamerasStillBlock) {

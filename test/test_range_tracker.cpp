@@ -99,5 +99,26 @@ TEST(RangeTracker, SensorsThatDifferLastinglySaySo) {
   EXPECT_NEAR(tracked.range.range_m, 4.7, 0.02) << "the nearer one rules";
 }
 
+TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
+  tracker.addRange(reading(1.5, kInfinity));
+  const TrackedRange tracked = tracker.update(1.5, showing(3.0));
+  EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
+  EXPECT_TRUE(tracked.lidar_is_nearer);
+  EXPECT_FALSE(tracker.update(3.0, showing(3.0)).lidar_is_nearer) << "one that is silent says nothing";
+}
+
+TEST(RangeTracker, ALidarThatSaysTooCloseIsNearer) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_FALSE(trackedFor(tracker, 7.0, showing(3.0)).lidar_is_nearer);
+  tracker.addRange(reading(1.5, -kInfinity));  // REP-117
+  const TrackedRange tracked = tracker.update(1.5, showing(3.0));
+  EXPECT_TRUE(tracked.lidar_is_nearer);
+  EXPECT_TRUE(tracked.range_reasons & kDisagreement);
+  tracker.addRange(reading(1.55, 7.0));
+  EXPECT_FALSE(tracker.update(1.55, showing(3.0)).lidar_is_nearer);
+}
+
 }  // namespace
 }  // namespace flight_corridor

@@ -82,6 +82,16 @@ TEST_F(FolderTest, BecomesABagOfTheSamePairsAndRanges) {
   EXPECT_EQ(ranges, 1);
 }
 
+TEST_F(FolderTest, NumbersThatAreNotPaddedCountByTheirValue) {
+  for (const char* side : {"left/", "right/"}) {
+    fs::rename(folder.path(side + std::string("000000.png")), folder.path(side + std::string("2.png")));
+    fs::rename(folder.path(side + std::string("000001.png")), folder.path(side + std::string("10.png")));
+  }
+  const FolderRecording recording = readFolder(root(), 10.0);
+  EXPECT_EQ(recording.pairs[0].value.left, folder.path("left/2.png"));
+  EXPECT_EQ(recording.pairs[1].value.left, folder.path("left/10.png"));
+}
+
 TEST_F(FolderTest, NeedsOnlyImagesAndCalibration) {
   for (const char* name : {"timestamps.csv", "range.csv", "poses.csv"}) fs::remove(folder.path(name));
   const FolderRecording recording = readFolder(root(), 10.0);

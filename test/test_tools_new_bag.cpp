@@ -25,7 +25,7 @@ TEST_F(NewBagTest, IsThereOnceFinished) {
   bag.write("/free", ros::Time(1, 0), std_msgs::Bool());
   EXPECT_FALSE(fs::exists(path()));
   bag.finish();
-  EXPECT_FALSE(fs::exists(path() + ".active"));
+  EXPECT_FALSE(fs::exists(path() + ".unfinished"));
   EXPECT_GT(rosbag::Bag(path(), rosbag::bagmode::Read).getSize(), 0u);
 }
 
@@ -36,7 +36,13 @@ TEST_F(NewBagTest, LeavesWhatWasThereWhenItIsNotFinished) {
     bag.write("/free", ros::Time(1, 0), std_msgs::Bool());
   }
   EXPECT_EQ(fs::file_size(path()), 3u);
-  EXPECT_FALSE(fs::exists(path() + ".active"));
+  EXPECT_FALSE(fs::exists(path() + ".unfinished"));
+}
+
+TEST_F(NewBagTest, LeavesARecordersUnfinishedBagAlone) {
+  std::ofstream(path() + ".active") << "flight";
+  NewBag(path()).finish();
+  EXPECT_EQ(fs::file_size(path() + ".active"), 6u);
 }
 
 TEST_F(NewBagTest, ReplacesNoFolder) { EXPECT_THROW(NewBag(folder.path("")), std::runtime_error); }

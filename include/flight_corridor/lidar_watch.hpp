@@ -13,6 +13,8 @@ class LidarWatch {
 
   /// The newest reading [m], where it was believed and its stamp is within max_age_s of this one; else NaN.
   double range(double stamp_s, double max_age_s) const;
+  /// Whether the newest reading, at most so old, says that something is too close to be measured: -inf (REP-117).
+  bool isTooClose(double stamp_s, double max_age_s) const;
   bool isRejected() const { return newest_.stamp_s == newest_.stamp_s && !fused_; }
   /// Equal to the last bit too often to be noise.
   bool repeatsItself() const;

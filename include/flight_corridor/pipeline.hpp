@@ -30,6 +30,7 @@ struct Rig {
 /// Everything that one stereo pair gave.
 struct Report : TrackedRange {
   Verdict verdict;
+  bool clears = false;  ///< What this pair shows free may be believed: it went into the map.
   StageTimes times;
 };
 
@@ -68,6 +69,13 @@ class Pipeline {
   /// Cells of the map that meet a box, in the map's frame, are unknown again.
   void clear(const Eigen::AlignedBox3d& box_M) { map_.clear(box_M); }
 
+  /// From now on the corridor points along +x of F.
+  void pointAlong(const Eigen::Isometry3d& T_C_F) { rig_.T_C_F = T_C_F; }
+
+  /// Remembers of another rig's pipeline what does not depend on the rig: the newest images, and when something
+  /// blocked.
+  void takeOver(const Pipeline& before);
+
   /// Forgets everything but the configuration and the rig.
   void reset();
 
@@ -98,7 +106,7 @@ class Pipeline {
   CorridorOccupancy inspectCorridor() const;
   void decide();
   State state(std::uint32_t reasons) const;
-  bool isCloudTooFar() const;
+  bool isTrusted() const;
   UnmatchedTexture unmatchedTexture() const;
   bool isUnmatched(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;

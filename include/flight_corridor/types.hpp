@@ -79,8 +79,8 @@ enum Reason : std::uint32_t {
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
-  kDisagreement =
-      1u << 8,         ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the LiDAR.
+  kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the
+                              ///< LiDAR, or where it says that something is too close to be measured (-inf).
   kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or its rate fell below a third; stereo answers alone,
                        ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.

@@ -13,7 +13,8 @@ using flight_corridor::Report;
 
 constexpr double kWatchdogPeriod_s = 0.1;
 
-double wallSeconds() { return ros::WallTime::now().toSec(); }
+/// Of a clock that nobody sets.
+double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
 const char* ageRemedy() {
   return ros::Time::isSimTime()
@@ -30,7 +31,7 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       inbox_(config_.ros),
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
-      answered_wall_s_(wallSeconds()),
+      answered_s_(steadySeconds()),
       services_(private_node, transforms_, inbox_, processor_,
                 [this](const ros::Time& stamp) { return silence() <= config_.ros.watchdog_s && isFresh(stamp); }),
       stereo_(node, config_.ros, [this](const StereoMessages& pair) { receive(pair); }),
@@ -88,7 +89,7 @@ void Node::answer(const StereoMessages& pair) {
 
 void Node::publish(const std_msgs::Header& header, const Report& report) {
   publishers_.publishVerdict(header, report);
-  answered_wall_s_ = wallSeconds();
+  answered_s_ = steadySeconds();
   diagnostics_.record(report, processor_.counters(), ros::Time::now().toSec() - header.stamp.toSec());
 }
 
@@ -103,8 +104,8 @@ bool Node::isFresh(const ros::Time& stamp) {
   return false;
 }
 
-/// Wall time since the last verdict: a stopped /clock makes nothing old [s].
-double Node::silence() const { return wallSeconds() - answered_wall_s_; }
+/// Time since the last verdict: a stopped /clock makes nothing old [s].
+double Node::silence() const { return steadySeconds() - answered_s_; }
 
 void Node::guard() {
   const double silent_s = silence();

@@ -50,7 +50,7 @@ class Node {
 
   std::mutex camera_frame_mutex_;
   std::string camera_frame_;  // for the watchdog
-  std::atomic<double> answered_wall_s_;
+  std::atomic<double> answered_s_;
 
   Services services_;
   StereoSubscriber stereo_;

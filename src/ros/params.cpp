@@ -167,7 +167,7 @@ struct Read {
 
 Violations check(const RosConfig& config) {
   Rules rules("ros");
-  rules.require(config.sync_slop_s >= 0.0, "sync_slop_s", "not negative", config.sync_slop_s);
+  rules.require(0.0 <= config.sync_slop_s && config.sync_slop_s <= 10.0, "sync_slop_s", "0 to 10", config.sync_slop_s);
   rules.require(config.sync_queue >= 1, "sync_queue", "1 or more", config.sync_queue);
   rules.require(config.range_queue >= 1, "range_queue", "1 or more", config.range_queue);
   rules.require(config.imu_queue >= 1, "imu_queue", "1 or more", config.imu_queue);

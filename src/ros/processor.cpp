@@ -27,6 +27,10 @@ flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
 const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   const std_msgs::Header& header = pair.left->header;
   has_products_ = false;
+  if (header.stamp.isZero()) {
+    if (stamp_warning_.due()) ROS_WARN("a stereo pair has no stamp (0): UNKNOWN");
+    return report_ = refusal(header.stamp, flight_corridor::kNoData);
+  }
   forgetWhenTimeJumpsBack(header.stamp);
   if (header.stamp < newest_stamp_) return report_ = refusal(header.stamp, flight_corridor::kNoData);
   newest_stamp_ = header.stamp;
@@ -73,7 +77,13 @@ void Processor::addReadings(const std_msgs::Header& header) {
     const auto acceleration_C = accelerometer_.read(*imu, header.frame_id);
     if (acceleration_C) rig_->addAcceleration(imu->header.stamp.toSec(), *acceleration_C);
   }
-  for (const auto& range : inbox_.takeRanges(header.stamp)) rig_->addRange(toReading(*range));
+  for (const auto& range : inbox_.takeRanges(header.stamp)) {
+    if (rig_.isLidar(range->header.frame_id)) {
+      rig_->addRange(toReading(*range));
+    } else if (lidar_warning_.due()) {
+      ROS_WARN("ranges of \"%s\" are not used: they are not of the LiDAR's frame", range->header.frame_id.c_str());
+    }
+  }
 }
 
 std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& header) {

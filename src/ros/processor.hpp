@@ -24,12 +24,12 @@ class Processor {
       : config_(config),
         transforms_(transforms),
         inbox_(inbox),
-        rig_(config.core, transforms),
+        rig_(config.core, transforms, config.ros.tf_timeout_s),
         accelerometer_(config.ros.gravity_frame, transforms),
         empty_map_(config.core.map.resolution_m) {}
 
   /// The verdict for one pair; a stamp more than a second before the newest pair's starts everything anew, a smaller
-  /// step back is refused.
+  /// step back is refused, and so is no stamp at all.
   const flight_corridor::Report& process(const StereoMessages& pair);
 
   /// Forgets everything that was seen; the next pair may have any stamp.
@@ -71,7 +71,7 @@ class Processor {
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
   bool has_products_ = false;
   ros::Time newest_stamp_;
-  Throttle image_warning_, pose_warning_;
+  Throttle stamp_warning_, lidar_warning_, image_warning_, pose_warning_;
 };
 
 }  // namespace flight_corridor_ros

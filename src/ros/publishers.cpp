@@ -79,9 +79,8 @@ void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipelin
   const flight_corridor::MapConfig& config = pipeline.config().map;
   publish("obstacles",
           [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
-  const bool clears = (report.verdict.reasons & flight_corridor::kUnmatched) == 0;
   publish("clearing", [&] {
-    return toClearing(header, clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
+    return toClearing(header, report.clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
   });
 }
 

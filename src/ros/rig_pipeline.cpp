@@ -2,7 +2,9 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "ros/conversions.hpp"
 
@@ -10,23 +12,35 @@ namespace flight_corridor_ros {
 
 namespace {
 
+using flight_corridor::Pipeline;
 using flight_corridor::StereoCalibration;
 using flight_corridor::StereoGeometry;
 
+/// Less than any match tells: a calibration that is computed anew for each image jitters in its last bits.
+constexpr double kSame_px = 1e-3, kSame_m = 1e-6;
+
 bool same(const StereoCalibration& a, const StereoCalibration& b) {
-  return a.size_px == b.size_px && a.fx_px == b.fx_px && a.fy_px == b.fy_px && a.cx_px == b.cx_px &&
-         a.cy_px == b.cy_px && a.cx_right_px == b.cx_right_px && a.baseline_m == b.baseline_m;
+  const auto differ = [&](double StereoCalibration::*value) { return std::abs(a.*value - b.*value); };
+  return a.size_px == b.size_px && differ(&StereoCalibration::fx_px) <= kSame_px &&
+         differ(&StereoCalibration::fy_px) <= kSame_px && differ(&StereoCalibration::cx_px) <= kSame_px &&
+         differ(&StereoCalibration::cy_px) <= kSame_px && differ(&StereoCalibration::cx_right_px) <= kSame_px &&
+         differ(&StereoCalibration::baseline_m) <= kSame_m;
 }
 
 }  // namespace
 
 std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& lidar_frame) try {
   const StereoCalibration calibration = toCalibration(*pair.left_info, *pair.right_info);
-  if (pipeline_ && !same(calibration, pipeline_->geometry().calibration())) pipeline_.reset();
-  if (mount(pair.left->header.frame_id, lidar_frame)) pipeline_.reset();
-  if (!T_C_F_) return flight_corridor::kNoPose;
-  if (pipeline_) return 0;
-  pipeline_.emplace(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F_});
+  const bool lidar_was_mounted = mountLidar(pair.left->header.frame_id, lidar_frame);
+  const auto T_C_F = forward(pair.left->header);
+  if (!T_C_F) return flight_corridor::kNoPose;
+  if (pipeline_ && !lidar_was_mounted && same(calibration, pipeline_->geometry().calibration())) {
+    pipeline_->pointAlong(*T_C_F);
+    return 0;
+  }
+  const auto before = std::move(pipeline_);
+  pipeline_ = std::make_unique<Pipeline>(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F});
+  if (before) pipeline_->takeOver(*before);
   ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, %s", calibration.size_px.width, calibration.size_px.height,
            calibration.fx_px, calibration.baseline_m, T_C_L_ ? ("LiDAR " + lidar_frame_).c_str() : "no LiDAR");
   if (const double nearest_m = pipeline_->nearestDepth(); nearest_m > config_.corridor.blind_m) {
@@ -45,33 +59,35 @@ std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& li
   return flight_corridor::kBadCalibration;
 }
 
-/// Looks up the fixed poses that are not known yet.  @return whether one changed.
-bool RigPipeline::mount(const std::string& camera_frame, const std::string& lidar_frame) {
-  const bool other_rig = camera_frame != camera_frame_ || lidar_frame != lidar_frame_;
-  if (other_rig) T_C_L_ = T_C_F_ = std::nullopt;
+/// Looks up the LiDAR's fixed pose until it is known. Other range sensors on the topic are none of the rig's.
+/// @return whether the rig is another one now.
+bool RigPipeline::mountLidar(const std::string& camera_frame, const std::string& lidar_frame) {
+  const bool other_camera = camera_frame != camera_frame_;
+  if (T_C_L_ && !other_camera) return false;
+  const bool had_lidar = T_C_L_.has_value();
   camera_frame_ = camera_frame;
   lidar_frame_ = lidar_frame;
-  bool changed = other_rig;
-  if (!T_C_F_) {
-    const std::string& corridor_frame = config_.corridor.frame_id;
-    T_C_F_ = corridor_frame.empty() ? flight_corridor::opticalFromForward()
-                                    : transforms_.find(camera_frame, corridor_frame, ros::Time(0));
-    if (!T_C_F_) warnOfMissing(camera_frame, corridor_frame, "the corridor has no place");
-    changed = true;
+  T_C_L_ = lidar_frame.empty() ? std::nullopt : transforms_.find(camera_frame, lidar_frame, ros::Time(0));
+  if (!T_C_L_ && !lidar_frame.empty() && warning_.due()) {
+    ROS_WARN(
+        "tf knows no pose of \"%s\" in \"%s\", so LiDAR readings are not used: publish it, e.g. with tf2_ros "
+        "static_transform_publisher",
+        lidar_frame.c_str(), camera_frame.c_str());
   }
-  if (!T_C_L_ && !lidar_frame.empty()) {
-    T_C_L_ = transforms_.find(camera_frame, lidar_frame, ros::Time(0));
-    if (!T_C_L_) warnOfMissing(camera_frame, lidar_frame, "LiDAR readings are not used");
-    changed = changed || T_C_L_;
-  }
-  return changed;
+  return other_camera || T_C_L_.has_value() != had_lidar;
 }
 
-void RigPipeline::warnOfMissing(const std::string& camera_frame, const std::string& other_frame,
-                                const char* consequence) {
-  if (!warning_.due()) return;
-  ROS_WARN("tf knows no pose of \"%s\" in \"%s\", so %s: publish it, e.g. with tf2_ros static_transform_publisher",
-           other_frame.c_str(), camera_frame.c_str(), consequence);
+/// Where the corridor points at a pair's stamp, T_C_F: its frame may turn against the camera.
+std::optional<Eigen::Isometry3d> RigPipeline::forward(const std_msgs::Header& camera) {
+  const std::string& frame = config_.corridor.frame_id;
+  if (frame.empty()) return flight_corridor::opticalFromForward();
+  const auto T_C_F = transforms_.find(camera.frame_id, frame, camera.stamp, tf_timeout_s_);
+  if (!T_C_F && warning_.due()) {
+    ROS_WARN(
+        "tf gave no pose of \"%s\" (corridor/frame_id) in \"%s\" at %.3f within %.3f s (ros/tf_timeout_s): UNKNOWN",
+        frame.c_str(), camera.frame_id.c_str(), camera.stamp.toSec(), tf_timeout_s_);
+  }
+  return T_C_F;
 }
 
 }  // namespace flight_corridor_ros

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -10,30 +11,36 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline for the rig that CameraInfo and tf describe, made anew when either changes. One thread.
+/// The pipeline for the rig that CameraInfo and tf describe, made anew when the cameras change or the LiDAR is found.
+/// One thread.
 class RigPipeline {
  public:
-  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms)
-      : config_(config), transforms_(transforms) {}
+  /// @param tf_timeout_s waits so long for the corridor's frame.
+  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s)
+      : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
 
-  /// Makes the pipeline fit a stereo pair and the LiDAR's frame ("": no LiDAR yet).
+  /// Makes the pipeline fit a stereo pair and, until one is found in tf, a LiDAR's frame ("": no LiDAR yet).
   /// @return why there is no pipeline: 0, kBadCalibration or kNoPose.
   std::uint32_t fit(const StereoMessages& pair, const std::string& lidar_frame);
+
+  /// Whether readings of this frame are the LiDAR's.
+  bool isLidar(const std::string& frame) const { return frame == lidar_frame_; }
 
   /// Valid after fit() returned 0.
   flight_corridor::Pipeline& operator*() { return *pipeline_; }
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
-  explicit operator bool() const { return pipeline_.has_value(); }
+  explicit operator bool() const { return pipeline_ != nullptr; }
 
  private:
-  bool mount(const std::string& camera_frame, const std::string& lidar_frame);
-  void warnOfMissing(const std::string& camera_frame, const std::string& other_frame, const char* consequence);
+  bool mountLidar(const std::string& camera_frame, const std::string& lidar_frame);
+  std::optional<Eigen::Isometry3d> forward(const std_msgs::Header& camera);
 
   flight_corridor::Config config_;
   const Transforms& transforms_;
+  double tf_timeout_s_;
   std::string camera_frame_, lidar_frame_;
-  std::optional<Eigen::Isometry3d> T_C_L_, T_C_F_;
-  std::optional<flight_corridor::Pipeline> pipeline_;
+  std::optional<Eigen::Isometry3d> T_C_L_;
+  std::unique_ptr<flight_corridor::Pipeline> pipeline_;
   Throttle warning_;
 };
 

@@ -83,14 +83,20 @@ octomap_msgs::GetOctomapResponse Services::fullOctomap(const octomap_msgs::GetOc
 QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& request) try {
   const flight_corridor::Box anywhere{Eigen::Isometry3d::Identity(), sizeOf(request)};
   flight_corridor::throwIfBroken(check(anywhere, processor_.map().getResolution()),
-                                 "impossible box");  // also while there is no map
+                                 "impossible box");           // also while there is no map
+  const Eigen::Isometry3d T_P_F = toPose(request.pose.pose);  // refuses what is none, also while there is no map
   const ros::Time stamp = processor_.mapHeader().stamp;
   const auto* pipeline = processor_.pipeline();
   if (!pipeline || stamp.isZero())
     return toResponse(stamp, refusal(stamp, processor_.report().verdict.reasons).verdict);
-  const flight_corridor::Box box = boxOf(request);
+  const flight_corridor::Box box = boxOf(request, T_P_F);
   if (!is_fresh_(stamp)) return toResponse(stamp, refusal(stamp, flight_corridor::kNoData).verdict);
-  return toResponse(stamp, pipeline->query(box));
+  flight_corridor::Verdict verdict = pipeline->query(box);
+  if (!processor_.products()) {  // the newest pair was refused
+    verdict.reasons |= processor_.report().verdict.reasons;
+    verdict.state = flight_corridor::stateOf(verdict.reasons);
+  }
+  return toResponse(stamp, verdict);
 } catch (const std::invalid_argument& error) {
   QueryCorridorResponse response = toResponse(processor_.mapHeader().stamp, {});
   response.success = false;
@@ -98,7 +104,7 @@ QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& reques
   return response;
 }
 
-flight_corridor::Box Services::boxOf(const QueryCorridorRequest& request) const {
+flight_corridor::Box Services::boxOf(const QueryCorridorRequest& request, const Eigen::Isometry3d& T_P_F) const {
   const std_msgs::Header& map = processor_.mapHeader();
   const std::string& frame = request.pose.header.frame_id;
   const auto T_M_P = transforms_.find(map.frame_id, frame, map.stamp);
@@ -106,7 +112,7 @@ flight_corridor::Box Services::boxOf(const QueryCorridorRequest& request) const 
     throw std::invalid_argument("tf knows no pose of \"" + frame + "\" in \"" + map.frame_id + "\" at " +
                                 std::to_string(map.stamp.toSec()));
   }
-  return {*T_M_P * toPose(request.pose.pose), sizeOf(request)};
+  return {*T_M_P * T_P_F, sizeOf(request)};
 }
 
 }  // namespace flight_corridor_ros

@@ -37,7 +37,8 @@ class Services {
   octomap_msgs::GetOctomapResponse binaryOctomap(const octomap_msgs::GetOctomapRequest& request);
   octomap_msgs::GetOctomapResponse fullOctomap(const octomap_msgs::GetOctomapRequest& request);
   flight_corridor::QueryCorridorResponse queryCorridor(const flight_corridor::QueryCorridorRequest& request);
-  flight_corridor::Box boxOf(const flight_corridor::QueryCorridorRequest& request) const;
+  flight_corridor::Box boxOf(const flight_corridor::QueryCorridorRequest& request,
+                             const Eigen::Isometry3d& T_P_F) const;
 
   ros::NodeHandle node_;
   const Transforms& transforms_;

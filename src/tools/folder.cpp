@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -43,7 +44,9 @@ std::vector<ImagePair> listPairs(const fs::path& folder) {
     pairs.push_back({entry.path().string(), right.string()});
   }
   if (pairs.empty()) fail(left, "holds no images");
-  std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) { return a.left < b.left; });
+  std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) {
+    return strverscmp(a.left.c_str(), b.left.c_str()) < 0;  // 2.png before 10.png
+  });
   return pairs;
 }
 

@@ -21,7 +21,7 @@ int importFolder(const CommandLine& options) {
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
   CommandLine options("import_folder", "Writes a folder of rectified stereo images as a bag.");
-  options.required("folder", "D", "folder with left/, right/, calib.yaml")
+  options.required("folder", "D", "folder with left/, right/ (2.png comes before 10.png), calib.yaml")
       .required("out", "F.bag", "bag to write")
       .optional("rate", "HZ", "rate of the pairs where the folder has no timestamps.csv", "10")
       .notes(

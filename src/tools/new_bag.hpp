@@ -7,7 +7,7 @@
 
 namespace flight_corridor::tools {
 
-/// A bag that is there once it is finished: until then it is called PATH.active, as rosbag's recorder calls it, and
+/// A bag that is there once it is finished: until then it is called PATH.unfinished (PATH.active is a recorder's), and
 /// what was at PATH stays. One that ends unfinished leaves nothing.
 class NewBag {
  public:
@@ -33,7 +33,7 @@ class NewBag {
     throw std::runtime_error(path_ + ": cannot be written: " + error.what());
   }
 
-  std::string path_, active_path_;
+  std::string path_, unfinished_path_;
   rosbag::Bag bag_;
 };
 

@@ -26,6 +26,7 @@ namespace {
 
 constexpr char kVerdictTopic[] = "/flight_corridor/corridor";
 constexpr std::size_t kChangesShown = 20;
+constexpr double kSlowestVideo_hz = 1.0;  // AVI holds no slower one
 
 /// A verdict that differs from the one before.
 struct Change {
@@ -42,7 +43,7 @@ PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader&
   pictures.overlay_every = static_cast<int>(options.integer("overlay-every", 0));
   pictures.depth_folder = options.text("depth");
   pictures.video = options.text("video");
-  if (std::isfinite(bag.rate())) pictures.video_rate_hz = bag.rate();
+  if (std::isfinite(bag.rate())) pictures.video_rate_hz = std::max(bag.rate(), kSlowestVideo_hz);
   return pictures;
 }
 
@@ -123,13 +124,16 @@ cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
                                                : flight_corridor_ros::toGrey(message);
 }
 
-/// @throws std::runtime_error when an output would overwrite the bag that is being read.
+/// @throws std::runtime_error when an output would overwrite the bag or the configuration that is being read.
 void keepInput(const CommandLine& options) {
   namespace fs = std::filesystem;
   for (const char* output : {"csv", "out", "map", "video"}) {
-    std::error_code neither_exists;
-    if (options.given(output) && fs::equivalent(options.text("bag"), options.text(output), neither_exists)) {
-      throw std::runtime_error("--" + std::string(output) + " " + options.text(output) + ": is the bag to read");
+    for (const char* input : {"bag", "config"}) {
+      std::error_code neither_exists;
+      if (options.given(output) && fs::equivalent(options.text(input), options.text(output), neither_exists)) {
+        throw std::runtime_error("--" + std::string(output) + " " + options.text(output) + ": is the --" + input +
+                                 " to read");
+      }
     }
   }
 }

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+#include <tf2_eigen/tf2_eigen.h>
+
+#include <cmath>
+#include <string>
+
+#include "flight_corridor/box.hpp"
+#include "ros/processor.hpp"
+#include "support/stereo_inputs.hpp"
+
+namespace flight_corridor_ros {
+namespace {
+
+using namespace flight_corridor;
+using test_support::StereoInputs;
+
+const ros::Time kStart(100, 0);
+constexpr double kNear_m = 3.0, kFar_m = 7.0;
+
+/// A camera with a LiDAR in its place, and nobody's messages but those that a test gives.
+class ProcessorTest : public testing::Test {
+ protected:
+  ProcessorTest() { mount("range_link", 0.0); }
+
+  /// Turned to the left against the beam, at a stamp, or for ever.
+  void mount(const std::string& frame, double left_rad, const ros::Time& stamp = ros::Time()) {
+    const Eigen::AngleAxisd left(-left_rad, Eigen::Vector3d::UnitY());
+    geometry_msgs::TransformStamped mounted = tf2::eigenToTransform(Eigen::Isometry3d(left) * opticalFromForward());
+    mounted.header.frame_id = "left_optical";
+    mounted.header.stamp = stamp;
+    mounted.child_frame_id = frame;
+    transforms.add(mounted, stamp.isZero());
+  }
+
+  static StereoMessages messages(const StereoInputs& inputs) {
+    return {inputs.left, boost::make_shared<sensor_msgs::CameraInfo>(inputs.left_info), inputs.right,
+            boost::make_shared<sensor_msgs::CameraInfo>(inputs.right_info)};
+  }
+
+  /// The verdict on a wall that stereo sees; equal seeds show equal images.
+  Verdict see(double wall_m, const ros::Time& stamp, std::uint64_t seed) {
+    StereoInputs inputs(wall_m, seed);
+    inputs.stamp(stamp);
+    inputs.left_info.P[2] += principal_point_px;
+    inputs.right_info.P[2] += principal_point_px;
+    return processor.process(messages(inputs)).verdict;
+  }
+
+  void putRange(const std::string& frame, double range_m, const ros::Time& stamp) {
+    sensor_msgs::Range range = StereoInputs(kFar_m).range;
+    range.header.stamp = stamp;
+    range.header.frame_id = frame;
+    range.range = static_cast<float>(range_m);
+    inbox.put(boost::make_shared<const sensor_msgs::Range>(range));
+  }
+
+  Transforms transforms;
+  NodeConfig config;
+  Inbox inbox{config.ros};
+  Processor processor{config, transforms, inbox};
+  double principal_point_px = 0.0;
+};
+
+TEST_F(ProcessorTest, APairWithoutAStampIsNoData) {
+  EXPECT_EQ(see(kFar_m, ros::Time(), 1).reasons, kNoData);
+  EXPECT_EQ(see(kFar_m, kStart, 2).state, State::Free);
+}
+
+TEST_F(ProcessorTest, RangesOfOtherFramesAreNotTheLidars) {
+  putRange("range_link", kFar_m, kStart);
+  ASSERT_EQ(see(kFar_m, kStart, 1).state, State::Free);
+  for (int i = 1; i < 5; ++i) {
+    const ros::Time stamp = kStart + ros::Duration(0.1 * i);
+    putRange("range_link", kFar_m, stamp);
+    putRange("range_down", 1.0, stamp);
+    const Verdict verdict = see(kFar_m, stamp, 1 + static_cast<std::uint64_t>(i));
+    EXPECT_EQ(verdict.state, State::Free) << describeReasons(verdict.reasons);
+    EXPECT_FALSE(verdict.reasons & kLidarRejected);
+  }
+}
+
+TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {
+  see(kFar_m, kStart, 1);
+  for (int i = 1; i < 4; ++i) {
+    principal_point_px = 1e-9 * i;
+    EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1 * i), 1).reasons & kFrozenImage);
+  }
+}
+
+TEST_F(ProcessorTest, AnotherCalibrationForgetsNeitherImagesNorTheHoldTime) {
+  ASSERT_EQ(see(kNear_m, kStart, 1).state, State::Blocked);
+  principal_point_px = 1.0;
+  EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1), 2).reasons & kRecentlyBlocked);
+  principal_point_px = 2.0;
+  EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.5), 2).reasons & kFrozenImage);
+}
+
+TEST_F(ProcessorTest, TheCorridorTurnsWithItsFrame) {
+  config.core.corridor.frame_id = "forward";
+  Processor turning(config, transforms, inbox);
+  const auto box = [&](double after_s, double left_rad) {
+    const ros::Time stamp = kStart + ros::Duration(after_s);
+    mount("forward", left_rad, stamp);
+    StereoInputs inputs(kFar_m, static_cast<std::uint64_t>(1.0 + 10.0 * after_s));
+    inputs.stamp(stamp);
+    turning.process(messages(inputs));
+    return turning.pipeline()->boxInCamera().T_M_F;
+  };
+  EXPECT_TRUE(box(0.0, 0.3).linear().col(0).isApprox(Eigen::Vector3d(-std::sin(0.3), 0.0, std::cos(0.3)), 1e-6));
+  EXPECT_TRUE(box(0.1, 0.0).linear().col(0).isApprox(Eigen::Vector3d::UnitZ(), 1e-6));
+
+  StereoInputs inputs(kFar_m, 3);
+  inputs.stamp(kStart + ros::Duration(0.2));
+  EXPECT_EQ(turning.process(messages(inputs)).verdict.reasons, kNoPose) << "tf has not told yet where it points";
+}
+
+}  // namespace
+}  // namespace flight_corridor_ros
