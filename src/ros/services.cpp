@@ -40,11 +40,13 @@ Services::Services(const ros::NodeHandle& private_node, const Transforms& transf
       inbox_(inbox),
       processor_(processor),
       is_fresh_(std::move(is_fresh)) {
+  node_.setCallbackQueue(&questions_);
   offer<std_srvs::Empty>("reset", &Services::reset);
   offer<octomap_msgs::BoundingBoxQuery>("clear_bbx", &Services::clear);
   offer<octomap_msgs::GetOctomap>("octomap_binary", &Services::binaryOctomap);
   offer<octomap_msgs::GetOctomap>("octomap_full", &Services::fullOctomap);
   offer<QueryCorridor>("query_corridor", &Services::queryCorridor);
+  spinner_.start();
 }
 
 template <typename Service>

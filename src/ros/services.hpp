@@ -3,7 +3,9 @@
 #include <flight_corridor/QueryCorridor.h>
 #include <octomap_msgs/BoundingBoxQuery.h>
 #include <octomap_msgs/GetOctomap.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
+#include <ros/spinner.h>
 #include <std_srvs/Empty.h>
 
 #include <functional>
@@ -40,12 +42,14 @@ class Services {
   flight_corridor::Box boxOf(const flight_corridor::QueryCorridorRequest& request,
                              const Eigen::Isometry3d& T_P_F) const;
 
+  ros::CallbackQueue questions_;  // that wait for a pair must not hold up the next one
   ros::NodeHandle node_;
   const Transforms& transforms_;
   Inbox& inbox_;
   Processor& processor_;
   IsFresh is_fresh_;
   std::vector<ros::ServiceServer> servers_;
+  ros::AsyncSpinner spinner_{1, &questions_};  // ends before what it calls
 };
 
 }  // namespace flight_corridor_ros
