@@ -22,6 +22,8 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   rate_hz_ = rate(reading.stamp_s) + 1.0 / kRateMemory_s;
   best_rate_hz_ = std::max(best_rate_hz_ * std::exp(-since_s / kBestMemory_s), rate_hz_);
   repetitions_ = reading.range_m == newest_.range_m ? repetitions_ + 1 : 0;
+  if (reading.range_m == -kInfinity) too_close_s_ = reading.stamp_s;
+  if (fused) too_close_s_ = kNaN;
   newest_ = reading;
   fused_ = fused;
 }
@@ -37,7 +39,7 @@ double LidarWatch::range(double stamp_s, double max_age_s) const {
 }
 
 bool LidarWatch::isTooClose(double stamp_s, double max_age_s) const {
-  return newest_.range_m == -kInfinity && std::abs(stamp_s - newest_.stamp_s) <= max_age_s;
+  return std::abs(stamp_s - too_close_s_) <= max_age_s;
 }
 
 bool LidarWatch::repeatsItself() const { return repetitions_ >= kTooManyRepetitions; }

@@ -36,7 +36,11 @@ TEST(LidarWatch, OnlyMinusInfinitySaysTooCloseAndOnlyWhileItIsNew) {
   }
   watch.add(reading(1.1, -kInfinity), false);
   EXPECT_TRUE(watch.isTooClose(1.2, 0.5));
+  watch.add(reading(1.15, kNaN), false);
+  EXPECT_TRUE(watch.isTooClose(1.2, 0.5)) << "a lost reading says nothing against it";
   EXPECT_FALSE(watch.isTooClose(1.7, 0.5));
+  watch.add(reading(1.2, 5.0), true);
+  EXPECT_FALSE(watch.isTooClose(1.2, 0.5));
 }
 
 TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {

@@ -85,6 +85,7 @@ TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {
     principal_point_px = 1e-9 * i;
     EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1 * i), 1).reasons & kFrozenImage);
   }
+  EXPECT_EQ(processor.counters().frames, 4u) << "all by one pipeline";
 }
 
 TEST_F(ProcessorTest, AnotherCalibrationForgetsNeitherImagesNorTheHoldTime) {
@@ -93,6 +94,36 @@ TEST_F(ProcessorTest, AnotherCalibrationForgetsNeitherImagesNorTheHoldTime) {
   EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1), 2).reasons & kRecentlyBlocked);
   principal_point_px = 2.0;
   EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.5), 2).reasons & kFrozenImage);
+}
+
+TEST_F(ProcessorTest, AnImpossibleCalibrationBetweenForgetsNothingEither) {
+  ASSERT_EQ(see(kNear_m, kStart, 1).state, State::Blocked);
+  StereoInputs blind(kFar_m, 2);
+  blind.stamp(kStart + ros::Duration(0.05));
+  blind.right_info.P[3] = 0.0;
+  EXPECT_EQ(processor.process(messages(blind)).verdict.reasons, kBadCalibration);
+  EXPECT_EQ(processor.pipeline(), nullptr);
+  EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1), 3).reasons & kRecentlyBlocked);
+}
+
+TEST_F(ProcessorTest, ALidarFoundInAPairWithoutAPoseIsUsedInTheNext) {
+  config.core.corridor.frame_id = "forward";
+  Processor turning(config, transforms, inbox);
+  const auto show = [&](double after_s) {
+    StereoInputs inputs(kFar_m, static_cast<std::uint64_t>(1.0 + 10.0 * after_s));
+    inputs.stamp(kStart + ros::Duration(after_s));
+    return turning.process(messages(inputs));
+  };
+  mount("forward", 0.0, kStart);
+  mount("forward", 0.0, kStart + ros::Duration(0.1));
+  EXPECT_TRUE(show(0.1).verdict.reasons & kNoLidar);
+  putRange("range_link", kFar_m, kStart + ros::Duration(0.2));
+  EXPECT_EQ(show(0.2).verdict.reasons, kNoPose);
+  mount("forward", 0.0, kStart + ros::Duration(0.3));
+  putRange("range_link", kFar_m, kStart + ros::Duration(0.3));
+  EXPECT_NEAR(show(0.3).range_lidar_m, kFar_m, 1e-6);
+  ASSERT_TRUE(turning.lidar());
+  EXPECT_EQ(turning.lidar()->header.frame_id, "range_link");
 }
 
 TEST_F(ProcessorTest, TheCorridorTurnsWithItsFrame) {

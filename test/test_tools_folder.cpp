@@ -82,14 +82,19 @@ TEST_F(FolderTest, BecomesABagOfTheSamePairsAndRanges) {
   EXPECT_EQ(ranges, 1);
 }
 
-TEST_F(FolderTest, NumbersThatAreNotPaddedCountByTheirValue) {
-  for (const char* side : {"left/", "right/"}) {
-    fs::rename(folder.path(side + std::string("000000.png")), folder.path(side + std::string("2.png")));
-    fs::rename(folder.path(side + std::string("000001.png")), folder.path(side + std::string("10.png")));
-  }
-  const FolderRecording recording = readFolder(root(), 10.0);
-  EXPECT_EQ(recording.pairs[0].value.left, folder.path("left/2.png"));
-  EXPECT_EQ(recording.pairs[1].value.left, folder.path("left/10.png"));
+TEST_F(FolderTest, WholeNumbersCountByTheirValueAndOtherNamesAsTheyAre) {
+  const auto rename = [&](const std::string& old_0, const std::string& old_1, const std::string& new_0,
+                          const std::string& new_1) {
+    for (const std::string side : {"left/", "right/"}) {
+      fs::rename(folder.path(side + old_0), folder.path(side + new_0));
+      fs::rename(folder.path(side + old_1), folder.path(side + new_1));
+    }
+    return readFolder(root(), 10.0).pairs;
+  };
+  auto pairs = rename("000000.png", "000001.png", "10.png", "2.png");
+  EXPECT_EQ(pairs[0].value.left, folder.path("left/2.png"));
+  pairs = rename("10.png", "2.png", "12.25.png", "12.3.png");  // stamps
+  EXPECT_EQ(pairs[0].value.left, folder.path("left/12.25.png"));
 }
 
 TEST_F(FolderTest, NeedsOnlyImagesAndCalibration) {
@@ -183,7 +188,7 @@ TEST_F(FolderTest, LeavesTheOldBagWhenItFails) {
   write("right/000001.png", "");
   EXPECT_NE(error(), "");
   EXPECT_EQ(fs::file_size(folder.path("out.bag")), 3u);
-  EXPECT_FALSE(fs::exists(folder.path("out.bag.active")));
+  EXPECT_FALSE(fs::exists(folder.path("out.bag.unfinished")));
 }
 
 TEST_F(FolderTest, RefusesAPoseWhoseQuaternionIsNone) {

@@ -21,10 +21,10 @@ struct StageTimes {
   double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;
 };
 
-/// Fixed poses of the rig.
+/// Poses of the rig.
 struct Rig {
   std::optional<Eigen::Isometry3d> T_C_L;          ///< LiDAR (beam along +x); without it LiDAR readings are not used.
-  Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Frame of the corridor (x forward).
+  Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Frame of the corridor (x forward), at first: pointAlong().
 };
 
 /// Everything that one stereo pair gave.

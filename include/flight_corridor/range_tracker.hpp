@@ -32,7 +32,7 @@ struct TrackedRange {
 class RangeTracker {
  public:
   /// @param T_C_L LiDAR to left optical frame; without it readings are not used, and the beam is the camera's axis.
-  /// @throws std::invalid_argument with every broken rule.
+  /// @throws std::invalid_argument with what is wrong.
   RangeTracker(const Config& config, const StereoGeometry& geometry, const std::optional<Eigen::Isometry3d>& T_C_L);
 
   /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).

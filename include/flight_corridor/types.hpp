@@ -73,9 +73,9 @@ const char* toString(State state);
 enum Reason : std::uint32_t {
   kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
   kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
-  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen.
+  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
   kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
-  kNoPose = 1u << 4,          ///< UNKNOWN: the map needs a pose (map/frame_id) and tf gave none.
+  kNoPose = 1u << 4,          ///< UNKNOWN: map/frame_id or corridor/frame_id needs a pose and tf gave none.
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).

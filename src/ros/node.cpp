@@ -81,7 +81,7 @@ void Node::answer(const StereoMessages& pair) {
   if (!isFresh(header.stamp)) return publish(header, refusal(header.stamp, flight_corridor::kNoData));
   publish(header, report);
   if (auto* pipeline = processor_.products()) {
-    publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, inbox_.newestRange());
+    publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, processor_.lidar());
   } else {
     publishers_.removeBox(header);
   }

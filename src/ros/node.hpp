@@ -21,8 +21,8 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline on ROS topics and services. Three threads: callbacks fill the inbox, one worker owns the pipeline, and
-/// a watchdog publishes UNKNOWN while no verdict comes.
+/// The pipeline on ROS topics and services. Four threads: callbacks fill the inbox, one worker owns the pipeline,
+/// questions wait for it, and a watchdog publishes UNKNOWN while no verdict comes.
 class Node {
  public:
   /// @throws std::invalid_argument listing everything that is wrong with the parameters.

@@ -48,7 +48,8 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
 }
 
 void Processor::reset() {
-  if (rig_) rig_->reset();
+  rig_.reset();
+  lidar_.reset();
   has_products_ = false;
   report_ = refusal({}, flight_corridor::kNoData);
   map_header_.stamp = newest_stamp_ = ros::Time();
@@ -79,6 +80,7 @@ void Processor::addReadings(const std_msgs::Header& header) {
   }
   for (const auto& range : inbox_.takeRanges(header.stamp)) {
     if (rig_.isLidar(range->header.frame_id)) {
+      lidar_ = range;
       rig_->addRange(toReading(*range));
     } else if (lidar_warning_.due()) {
       ROS_WARN("ranges of \"%s\" are not used: they are not of the LiDAR's frame", range->header.frame_id.c_str());

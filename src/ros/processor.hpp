@@ -48,6 +48,8 @@ class Processor {
   const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
   /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
   const std_msgs::Header& mapHeader() const { return map_header_; }
+  /// The LiDAR's newest reading up to the last pair; null without one.
+  const sensor_msgs::RangeConstPtr& lidar() const { return lidar_; }
   /// The last pair's left image, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
   /// Of the present pipeline; all 0 without one.
@@ -68,6 +70,7 @@ class Processor {
   const octomap::OcTree empty_map_;
   std_msgs::Header map_header_;
   flight_corridor::Report report_ = refusal({}, flight_corridor::kNoData);
+  sensor_msgs::RangeConstPtr lidar_;
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
   bool has_products_ = false;
   ros::Time newest_stamp_;

@@ -31,16 +31,19 @@ bool same(const StereoCalibration& a, const StereoCalibration& b) {
 
 std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& lidar_frame) try {
   const StereoCalibration calibration = toCalibration(*pair.left_info, *pair.right_info);
-  const bool lidar_was_mounted = mountLidar(pair.left->header.frame_id, lidar_frame);
+  rig_changed_ |= mountLidar(pair.left->header.frame_id, lidar_frame);
   const auto T_C_F = forward(pair.left->header);
   if (!T_C_F) return flight_corridor::kNoPose;
-  if (pipeline_ && !lidar_was_mounted && same(calibration, pipeline_->geometry().calibration())) {
+  if (is_fit_ && !rig_changed_ && same(calibration, pipeline_->geometry().calibration())) {
     pipeline_->pointAlong(*T_C_F);
     return 0;
   }
-  const auto before = std::move(pipeline_);
-  pipeline_ = std::make_unique<Pipeline>(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F});
-  if (before) pipeline_->takeOver(*before);
+  auto pipeline =
+      std::make_unique<Pipeline>(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F});
+  if (pipeline_) pipeline->takeOver(*pipeline_);
+  pipeline_ = std::move(pipeline);
+  is_fit_ = true;
+  rig_changed_ = false;
   ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, %s", calibration.size_px.width, calibration.size_px.height,
            calibration.fx_px, calibration.baseline_m, T_C_L_ ? ("LiDAR " + lidar_frame_).c_str() : "no LiDAR");
   if (const double nearest_m = pipeline_->nearestDepth(); nearest_m > config_.corridor.blind_m) {
@@ -55,8 +58,16 @@ std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& li
     ROS_ERROR("no verdict from camera \"%s\" with LiDAR \"%s\": %s", pair.left->header.frame_id.c_str(),
               lidar_frame.c_str(), error.what());
   }
-  pipeline_.reset();
+  is_fit_ = false;
   return flight_corridor::kBadCalibration;
+}
+
+void RigPipeline::reset() {
+  camera_frame_.clear();
+  lidar_frame_.clear();
+  T_C_L_.reset();
+  pipeline_.reset();
+  is_fit_ = false;
 }
 
 /// Looks up the LiDAR's fixed pose until it is known. Other range sensors on the topic are none of the rig's.
@@ -64,17 +75,16 @@ std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& li
 bool RigPipeline::mountLidar(const std::string& camera_frame, const std::string& lidar_frame) {
   const bool other_camera = camera_frame != camera_frame_;
   if (T_C_L_ && !other_camera) return false;
-  const bool had_lidar = T_C_L_.has_value();
   camera_frame_ = camera_frame;
   lidar_frame_ = lidar_frame;
   T_C_L_ = lidar_frame.empty() ? std::nullopt : transforms_.find(camera_frame, lidar_frame, ros::Time(0));
-  if (!T_C_L_ && !lidar_frame.empty() && warning_.due()) {
+  if (!T_C_L_ && !lidar_frame.empty() && lidar_warning_.due()) {
     ROS_WARN(
         "tf knows no pose of \"%s\" in \"%s\", so LiDAR readings are not used: publish it, e.g. with tf2_ros "
         "static_transform_publisher",
         lidar_frame.c_str(), camera_frame.c_str());
   }
-  return other_camera || T_C_L_.has_value() != had_lidar;
+  return other_camera || T_C_L_;
 }
 
 /// Where the corridor points at a pair's stamp, T_C_F: its frame may turn against the camera.

@@ -29,7 +29,10 @@ class RigPipeline {
   /// Valid after fit() returned 0.
   flight_corridor::Pipeline& operator*() { return *pipeline_; }
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
-  explicit operator bool() const { return pipeline_ != nullptr; }
+  explicit operator bool() const { return is_fit_; }
+
+  /// Forgets everything, the LiDAR's frame too.
+  void reset();
 
  private:
   bool mountLidar(const std::string& camera_frame, const std::string& lidar_frame);
@@ -40,8 +43,10 @@ class RigPipeline {
   double tf_timeout_s_;
   std::string camera_frame_, lidar_frame_;
   std::optional<Eigen::Isometry3d> T_C_L_;
+  bool rig_changed_ = false;  // since pipeline_ was made
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
-  Throttle warning_;
+  bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
+  Throttle warning_, lidar_warning_;
 };
 
 }  // namespace flight_corridor_ros

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -34,6 +35,12 @@ void requireSize(const cv::Mat& image, cv::Size size, const std::string& path) {
                  ", the recording's first image is " + std::to_string(size.width) + "x" + std::to_string(size.height));
 }
 
+/// Whether a file is called by a whole number.
+bool isNumber(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  return std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
 std::vector<ImagePair> listPairs(const fs::path& folder) {
   const fs::path left = folder / "left";
   if (!fs::is_directory(left)) fail(left, "no such folder");
@@ -45,7 +52,8 @@ std::vector<ImagePair> listPairs(const fs::path& folder) {
   }
   if (pairs.empty()) fail(left, "holds no images");
   std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) {
-    return strverscmp(a.left.c_str(), b.left.c_str()) < 0;  // 2.png before 10.png
+    return isNumber(a.left) && isNumber(b.left) ? strverscmp(a.left.c_str(), b.left.c_str()) < 0  // 2.png before 10.png
+                                                : a.left < b.left;
   });
   return pairs;
 }
