@@ -50,9 +50,10 @@ TEST(PipelineQuery, AQueryIsNeverFreeAfterAFrameThatTellsNothing) {
   frozen.stamp_s = refused.stamp_s = 1.1;
   refused.left = cv::Mat();
   pipeline.process(frozen);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kFrozenImage);
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kFrozenImage | kUnobserved) << "it cleared nothing";
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Unknown);
   pipeline.process(refused);
-  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kBadImage);
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kBadImage | kUnobserved);
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Unknown);
   pipeline.reset();
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
