@@ -249,16 +249,4 @@ void Pipeline::takeOver(const Pipeline& before) {
   blocked_s_ = before.blocked_s_;
 }
 
-void Pipeline::reset() {
-  range_tracker_.reset();
-  map_.clear();
-  images_ = ImageWatch();
-  blocked_s_ = -kInfinity;
-  report_ = Report();
-  pair_ = StereoFrame();
-  disparity_ = Disparity();
-  depth_ = DepthImages();
-  cloud_.clear();
-}
-
 }  // namespace flight_corridor

@@ -40,11 +40,6 @@ RangeFusion::RangeFusion(const FusionConfig& config) : config_(config) {
   steps_.reserve(kCapacity);
 }
 
-void RangeFusion::reset() {
-  before_ = Filter();
-  steps_.clear();
-}
-
 Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double variance_m2) {
   const bool valid = std::isfinite(stamp_s) && std::isfinite(range_m) && range_m > 0.0 && variance_m2 > 0.0 &&
                      std::isfinite(variance_m2);
@@ -60,7 +55,10 @@ Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
 /// Puts a reading where its stamp belongs and takes all later ones again.
 Outcome RangeFusion::insert(const Reading& reading) {
   const bool set_back = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - kClockSetBack_s;
-  if (set_back) reset();
+  if (set_back) {
+    before_ = Filter();
+    steps_.clear();
+  }
   const bool too_late = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s;
   if (too_late || reading.stamp_s < before_.stamp_s) return Outcome::TooLate;
   if (steps_.size() == kCapacity) forgetOldest();

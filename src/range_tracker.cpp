@@ -101,10 +101,4 @@ void RangeTracker::learnScale(double stamp_s, const FootprintReading& stereo, co
 /// d_L for a frame: the newest reading that was fused, not older than fusion/max_gap_s; NaN without one.
 double RangeTracker::lidarRange(double stamp_s) const { return lidar_.range(stamp_s, fusion_config_.max_gap_s); }
 
-void RangeTracker::reset() {
-  fusion_.reset();
-  scale_.reset();
-  lidar_ = LidarWatch();
-}
-
 }  // namespace flight_corridor

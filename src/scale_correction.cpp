@@ -31,14 +31,8 @@ Violations check(const ScaleConfig& config) {
 
 ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
   throwIfBroken(check(config));
-  reset();
-}
-
-void ScaleCorrection::reset() {
-  stamp_s_ = kNaN;
-  mean_ = applied_ = {1.0, 0.0};
   covariance_ =
-      Eigen::Vector2d(std::pow(config_.prior_sigma, 2), std::pow(config_.offset_prior_sigma_px, 2)).asDiagonal();
+      Eigen::Vector2d(std::pow(config.prior_sigma, 2), std::pow(config.offset_prior_sigma_px, 2)).asDiagonal();
 }
 
 /// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update with a slow random walk of a. d in h is

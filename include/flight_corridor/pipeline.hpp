@@ -76,9 +76,6 @@ class Pipeline {
   /// blocked.
   void takeOver(const Pipeline& before);
 
-  /// Forgets everything but the configuration and the rig.
-  void reset();
-
   const Config& config() const { return config_; }
   const StereoGeometry& geometry() const { return geometry_; }
   const Counters& counters() const { return counters_; }

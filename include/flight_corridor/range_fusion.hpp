@@ -55,8 +55,6 @@ class RangeFusion {
   /// The estimate predicted to a stamp not before the buffer's start.
   RangeEstimate at(double stamp_s) const;
 
-  void reset();
-
  private:
   enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order in which equal stamps are taken
   struct Reading {

@@ -47,7 +47,6 @@ class RangeTracker {
   /// Point of C at a range along the beam [m].
   Eigen::Vector3d point(double range_m) const { return beam_.point(range_m); }
   const ScaleCorrection& scale() const { return scale_; }
-  void reset();
 
  private:
   double stereoVariance(const FootprintReading& stereo) const;

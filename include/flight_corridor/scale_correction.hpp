@@ -39,16 +39,14 @@ class ScaleCorrection {
   /// One sigma of scale() [-].
   double sigma(double disparity_px) const;
 
-  void reset();
-
  private:
   Eigen::Vector2d significant() const;
 
   ScaleConfig config_;
   double stamp_s_ = kNaN;
-  Eigen::Vector2d mean_;  // a [-], b [px]
+  Eigen::Vector2d mean_{1.0, 0.0};  // a [-], b [px]
   Eigen::Matrix2d covariance_;
-  Eigen::Vector2d applied_;  // as mean_, where it is significant
+  Eigen::Vector2d applied_{1.0, 0.0};  // as mean_, where it is significant
 };
 
 }  // namespace flight_corridor
