@@ -1,5 +1,7 @@
-// How small a thing is seen at which distance, and how well one close before a wall: one stereo pair each, no LiDAR.
+// How small a thing is seen at which distance, how well one close before a wall, and one without texture: one stereo
+// pair each, no LiDAR.
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +20,8 @@ constexpr std::array<double, 6> kSizes_m{0.06, 0.08, 0.10, 0.12, 0.16, 0.20};
 constexpr std::array<double, 4> kDistances_m{2.0, 2.5, 3.0, 3.6};
 constexpr std::array<double, 4> kWidths_m{0.04, 0.06, 0.08, 0.12};
 constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
+constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
+constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
 
 using World = std::vector<sim::Primitive>;
 
@@ -61,6 +65,20 @@ World postBeforeWall(double width_m, double distance_m, sim::Random& random) {
                              : sim::makeBox({middle_m, beside_m, 2.0}, {width_m, width_m, 4.0}, paint)};
 }
 
+/// A ball or a box of one grey, of which 8 cm are in the corridor, from the left or right, before a far wall.
+World bareThing(double size_m, double distance_m, sim::Random& random) {
+  constexpr double kHalfWidth_m = 0.6, kInside_m = 0.08, kContrast = 0.1;
+  const sim::Material wall = sim::masonry(random);
+  double grey = wall.grey;
+  while (std::abs(grey - wall.grey) < kContrast) grey = random.uniform(0.1, 0.85);
+  const double side_m = random.sign() * (kHalfWidth_m - kInside_m + size_m / 2.0);
+  const Eigen::Vector3d middle_W(distance_m + size_m / 2.0, side_m, sim::kHeight_m + random.uniform(-0.1, 0.1));
+  const sim::Material paint = sim::plain(grey);
+  return {sim::backdrop(random.uniform(5.5, 11.0), wall),
+          random.chance(0.5) ? sim::makeSphere(middle_W, size_m / 2.0, paint)
+                             : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+}
+
 /// A row for each size, a column for each distance.
 template <class Sizes, class Distances, class Build>
 void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int things,
@@ -95,4 +113,7 @@ int main(int argc, char** argv) {
   std::printf("\n");
   printVerdicts("posts each, 0.25 to 0.7 m before a wall (the corridor ends at 4 m)", kWidths_m, kPostDistances_m,
                 things, postBeforeWall);
+  std::printf("\n");
+  printVerdicts("bare balls and boxes each, 8 cm of them in the corridor", kBareSizes_m, kBareDistances_m, things,
+                bareThing);
 }

@@ -61,6 +61,8 @@ void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C
 
 void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
   const Eigen::RowVector3f deeper = T_C_M.linear().row(2) * static_cast<float>(0.5 * config_.resolution_m);
+  outlines_.clear();
+  hits_.clear();
   for (const CellCounts::Cube& cube : points_.cubes()) {
     const Eigen::Array3i key = points_.lowestCell(cube);
     const Eigen::Array3d middle_M = (key.cast<double>() + 1.0 - kKeyOrigin) * config_.resolution_m;
@@ -68,12 +70,28 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
     unsigned hits = 0;
     for (unsigned i = 0; i < 8; ++i) {
       const Eigen::Vector3f side(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
-      hits |= static_cast<unsigned>(hit_rule_.isHit(cube.counts[i], middle_m + deeper.dot(side))) << i;
+      const float depth_m = middle_m + deeper.dot(side);
+      const bool is_hit = hit_rule_.isHit(cube.counts[i], depth_m);
+      hits |= static_cast<unsigned>(is_hit) << i;
+      if (is_hit || hit_rule_.isOutline(cube.counts[i], depth_m)) {
+        (is_hit ? hits_ : outlines_).emplace_back(middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>());
+      }
     }
     if (hits == 0 || (key < 0).any() || (key > kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();
     addToChildren(octomap::OcTreeKey(k[0], k[1], k[2]), EvidenceTree::kDepth - 1, hits, config_.log_odds_hit);
   }
+}
+
+bool OccupancyMap::showsOutline(const Box& box_M) const {
+  const double beside_m = 1.5 * config_.resolution_m;  // centres of neighbours are 1 cell apart, others 2
+  return std::any_of(outlines_.begin(), outlines_.end(), [&](const Eigen::Vector3d& outline_M) {
+    const auto isBeside = [&](const Eigen::Vector3d& other_M) {
+      return &other_M != &outline_M && (other_M - outline_M).lpNorm<Eigen::Infinity>() < beside_m;
+    };
+    return contains(box_M, outline_M) && (std::any_of(outlines_.begin(), outlines_.end(), isBeside) ||
+                                          std::any_of(hits_.begin(), hits_.end(), isBeside));
+  });
 }
 
 void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit) {
@@ -133,6 +151,8 @@ bool OccupancyMap::touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTr
 
 void OccupancyMap::clear() {
   tree_.clear();
+  outlines_.clear();
+  hits_.clear();
   seen_s_.clear();
 }
 

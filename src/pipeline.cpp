@@ -178,6 +178,7 @@ void Pipeline::decide() {
   because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
   because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
   because(is_unmatched_, kUnmatched);
+  because(!blocked && map_.showsOutline(box()), kOutline);
   because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
   verdict.reasons |= report_.range_reasons;
   verdict.state = state(verdict.reasons);
@@ -214,6 +215,7 @@ Verdict Pipeline::query(const Box& box) const {
   if (blocked) verdict.reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
   if (!blocked && isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
+  if (!blocked && map_.showsOutline(box)) verdict.reasons |= kOutline;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);

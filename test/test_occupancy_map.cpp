@@ -82,6 +82,23 @@ TEST(OccupancyMap, ASpeckleIsNoHitWhereAFaceWouldShowManyPoints) {
   EXPECT_NE(cellAt(map, kGeometry.point(164, 124, 0.45)), Cell::Occupied);
 }
 
+TEST(OccupancyMap, ALineThroughSeveralCellsIsAnOutlineAloneItIsAMistake) {
+  const double cell_px = 0.1 * kGeometry.calibration().fx_px;  // at 1 m
+  const Box ahead{opticalFromForward(), {2.0, 1.2, 0.4}}, before_it{opticalFromForward(), {0.8, 1.2, 0.4}};
+  const auto shows = [&](int width_px, double height_cells, const Box& box) {
+    cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+    depth(cv::Rect(160, 110, width_px, static_cast<int>(height_cells * cell_px))).setTo(1.0);
+    OccupancyMap map(MapConfig(), kGeometry);
+    map.insert(depth, Eigen::Isometry3d::Identity());
+    EXPECT_NE(cellAt(map, kGeometry.point(161, 112, 0.99)), Cell::Occupied);
+    return map.showsOutline(box);
+  };
+  EXPECT_TRUE(shows(2, 3.0, ahead));
+  EXPECT_FALSE(shows(1, 3.0, ahead)) << "too few points";
+  EXPECT_FALSE(shows(2, 0.9, ahead)) << "alone";
+  EXPECT_FALSE(shows(2, 3.0, before_it)) << "beyond the box";
+}
+
 /// Every pixel's ray, cell by cell: what the depth image says of each cell, without pyramids. Free up to the band.
 void castRays(const cv::Mat& depth, const Eigen::Isometry3d& T_M_C, octomap::OcTree& tree) {
   octomap::KeySet hits, misses;

@@ -17,8 +17,8 @@ TEST(Types, ReasonsAreNamedInTheOrderOfTheirBits) {
 TEST(Types, FreeIsWhatIsLeftWhenNoReasonForbidsIt) {
   constexpr std::uint32_t kBlocks = kOccupiedCell | kShortRange;
   constexpr std::uint32_t kHides = kUnobserved | kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity |
-                                   kRecentlyBlocked | kFrozenImage | kUnmatched;
-  for (std::uint32_t reasons = 0; reasons < 2 * kUnmatched; ++reasons) {
+                                   kRecentlyBlocked | kFrozenImage | kUnmatched | kOutline;
+  for (std::uint32_t reasons = 0; reasons < 2 * kOutline; ++reasons) {
     const State expected = reasons & kBlocks ? State::Blocked : reasons & kHides ? State::Unknown : State::Free;
     ASSERT_EQ(stateOf(reasons), expected) << describeReasons(reasons);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "flight_corridor/map_config.hpp"
@@ -12,8 +13,8 @@ class HitRule {
  public:
   HitRule(const MapConfig& config, const StereoCalibration& calibration)
       : min_points_(static_cast<std::uint32_t>(config.min_hit_points)),
-        enough_m2_(static_cast<float>(config.hit_fraction * calibration.fx_px * calibration.fy_px *
-                                      config.resolution_m * config.resolution_m)) {}
+        cell_px_m_(static_cast<float>(std::sqrt(calibration.fx_px * calibration.fy_px) * config.resolution_m)),
+        enough_m2_(static_cast<float>(config.hit_fraction) * cell_px_m_ * cell_px_m_) {}
 
   /// A full face shows f^2 r^2 / Z^2 points.
   /// @param depth_m of the cell's centre.
@@ -21,8 +22,17 @@ class HitRule {
     return points >= min_points_ && depth_m > 0.0f && static_cast<float>(points) * depth_m * depth_m >= enough_m2_;
   }
 
+  /// Whether there are as many as an outline shows that crosses the cell: they grow with 1/Z where a face's grow with
+  /// 1/Z^2, so that near the camera something bare, which has points on its outline alone, is no hit.
+  bool isOutline(std::uint32_t points, float depth_m) const {
+    return points >= min_points_ && static_cast<float>(points) * depth_m >= kOutline_px * cell_px_m_;
+  }
+
  private:
+  static constexpr float kOutline_px = 1.5f;  // points across an outline: matching gives two or three
+
   std::uint32_t min_points_;
+  float cell_px_m_;  // edge of a cell in the image, times its depth
   float enough_m2_;
 };
 

@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 #include <unordered_map>
+#include <vector>
 
+#include "flight_corridor/box.hpp"
 #include "flight_corridor/evidence_tree.hpp"
 #include "flight_corridor/free_space.hpp"
 #include "flight_corridor/hit_rule.hpp"
@@ -47,6 +49,10 @@ class OccupancyMap {
 
   const octomap::OcTree& tree() const { return tree_; }
 
+  /// Whether the newest image shows something in a box that makes no hit: in a cell centred there as many points as an
+  /// outline has, and a hit or as many in a cell beside it. Mistakes stand alone.
+  bool showsOutline(const Box& box_M) const;
+
  private:
   void addHits(const Eigen::Isometry3f& T_C_M);
   void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, double log_odds);
@@ -58,6 +64,7 @@ class OccupancyMap {
   HitRule hit_rule_;
   PointCounter points_;
   FreeSpace free_space_;
+  std::vector<Eigen::Vector3d> outlines_, hits_;  // centres in M of the newest image's cells
   octomap::KeyRay beam_;
   std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
   std::uint64_t last_block_ = 0;
