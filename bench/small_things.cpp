@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
-#include "sim/render.hpp"
 #include "sim/rig.hpp"
 #include "sim/scene_parts.hpp"
+#include "sim/still.hpp"
 
 namespace {
 
@@ -24,18 +24,6 @@ constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
 constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
 
 using World = std::vector<sim::Primitive>;
-
-/// Of the camera at the height of flight, its lens above W's origin.
-StereoFrame pairOf(const World& world, std::uint64_t seed) {
-  const sim::Rig rig = sim::defaultRig();
-  Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
-  T_W_B.translation() = Eigen::Vector3d(0.0, 0.0, sim::kHeight_m) - rig.T_B_C.translation();
-  StereoFrame pair;
-  pair.stamp_s = 1.0;
-  pair.left = sim::expose(sim::render(world, sim::leftCamera(rig, T_W_B)).radiance, rig.left, 2 * seed);
-  pair.right = sim::expose(sim::render(world, sim::rightCamera(rig, T_W_B)).radiance, rig.right, 2 * seed + 1);
-  return pair;
-}
 
 /// From dark to bright.
 sim::Material anyPaint(sim::Random& random) {
@@ -93,7 +81,7 @@ void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& dis
       std::array<int, 3> counts{};
       for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(things); ++seed) {
         sim::Random random(seed, sim::Stream::Scene);
-        const StereoFrame pair = pairOf(build(size_m, distance_m, random), seed);
+        const StereoFrame pair = sim::stillPair(build(size_m, distance_m, random), seed);
         Pipeline pipeline(Config(), geometry, Rig());
         ++counts.at(static_cast<std::size_t>(pipeline.process(pair).verdict.state));
       }

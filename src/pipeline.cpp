@@ -5,12 +5,24 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "flight_corridor/cross_sections.hpp"
+
 namespace flight_corridor {
 
 namespace {
 
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity | kFrozenImage;
+
+constexpr double kEdge_cells = 3.0;  // so far from a box's side noise may have moved what stands in it
+
+constexpr int kBroad_cells = 4;  // hit by fewer, something may be hit by none in the next image
+
+/// How many of the cells that the newest image hits, taken to be so large, share a point with a box.
+std::ptrdiff_t hitsIn(const OccupancyMap& map, const Box& box, double cell_m) {
+  return std::count_if(map.hits().begin(), map.hits().end(),
+                       [&](const Eigen::Vector3d& hit_M) { return intersects(box, hit_M, cell_m); });
+}
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -24,6 +36,11 @@ class Stopwatch {
   double& sum_ms_;
   Clock::time_point start_ = Clock::now();
 };
+
+MapConfig inCamera(MapConfig config) {
+  config.frame_id.clear();
+  return config;
+}
 
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
@@ -40,11 +57,9 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       range_tracker_(config, geometry, rig.T_C_L),
       cloud_builder_(config.cloud, geometry),
       map_(config.map, geometry),
+      thin_map_(inCamera(config.map), geometry),
       corridor_(config.corridor) {
-  if (config.map.frame_id.empty()) return;
-  MapConfig forgetful = config.map;
-  forgetful.frame_id.clear();
-  frame_map_.emplace(forgetful, geometry);
+  if (!config.map.frame_id.empty()) frame_map_.emplace(inCamera(config.map), geometry);
 }
 
 Outcome Pipeline::addRange(const RangeReading& reading) {
@@ -84,7 +99,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.map_ms);
-    is_unmatched_ = isUnmatched(boxInCamera());
+    doubts_ = doubts(boxInCamera());
     report_.clears = isTrusted();
     updateMap();
   }
@@ -100,7 +115,7 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   std::uint32_t reasons = 0;
   if (!std::isfinite(frame.stamp_s)) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
-  const bool has_pose = T_W_C && T_W_C->matrix().allFinite();
+  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && T_W_C->linear().isUnitary(kTouch_m);
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
 }
@@ -120,10 +135,7 @@ void Pipeline::trackRange() {
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and
 /// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing: what the map
 /// calls free is believed by others, and later.
-bool Pipeline::isTrusted() const {
-  const bool matches = disparity_.matched_fraction >= config_.stereo.min_matched_fraction;
-  return matches && image_faults_ == 0 && !is_unmatched_ && !report_.lidar_is_nearer;
-}
+bool Pipeline::isTrusted() const { return image_faults_ == 0 && doubts_ == 0 && !report_.lidar_is_nearer; }
 
 void Pipeline::updateMap() {
   if (config_.map.frame_id.empty()) {
@@ -167,21 +179,43 @@ void Pipeline::decide() {
   verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  const auto because = [&](bool holds, Reason reason) {
-    if (holds) verdict.reasons |= reason;
-  };
-  because(std::isfinite(occupancy.clear_distance_m), kOccupiedCell);
-  because(beam_end_m.has_value(), kShortRange);
-  const bool blocked = verdict.reasons != 0;
-  if (blocked) blocked_s_ = verdict.stamp_s;
+  verdict.reasons = reasonsOf(occupancy, box()) | doubts_ | report_.range_reasons;
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  because(disparity_.matched_fraction < config_.stereo.min_matched_fraction, kNoDisparity);
-  because(!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction), kUnobserved);
-  because(is_unmatched_, kUnmatched);
-  because(!blocked && map_.showsOutline(box()), kOutline);
-  because(!blocked && std::abs(verdict.stamp_s - blocked_s_) <= config_.corridor.hold_s, kRecentlyBlocked);
-  verdict.reasons |= report_.range_reasons;
+  if (beam_end_m) verdict.reasons |= kShortRange;
+  if (stateOf(verdict.reasons) == State::Blocked) {
+    (isBroad() ? broad_s_ : thin_s_) = verdict.stamp_s;
+  } else if (mayStillBlock()) {
+    verdict.reasons |= kRecentlyBlocked;
+  }
   verdict.state = state(verdict.reasons);
+}
+
+/// What the map says of a box.
+std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const {
+  std::uint32_t reasons = 0;
+  if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
+  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
+  if (!(reasons & kOccupiedCell) && map_.showsOutline(box_M)) reasons |= kOutline;
+  return reasons;
+}
+
+/// Whether this frame shows what blocks, and nothing thin among it: images miss thin things now and then.
+bool Pipeline::isBroad() {
+  cv::Mat thin_m(geometry_.size(), CV_32FC1, cv::Scalar(kNaN));
+  depth_.filled_m.copyTo(thin_m, disparity_.thin);
+  thin_map_.clear();
+  thin_map_.insert(thin_m, Eigen::Isometry3d::Identity(), false, disparity_.thin);
+  const double cell_m = config_.map.resolution_m;
+  return hitsIn(frameMap(), boxInCamera(), cell_m) >= kBroad_cells && hitsIn(thin_map_, boxInCamera(), cell_m) == 0;
+}
+
+/// Whether what blocked lately may still be there: something thin that was missed, something broad at the box's edge.
+bool Pipeline::mayStillBlock() const {
+  const auto is_recent = [&](double blocked_s) {
+    return std::abs(report_.verdict.stamp_s - blocked_s) <= config_.corridor.hold_s;
+  };
+  const double edge_m = kEdge_cells * config_.map.resolution_m;
+  return is_recent(thin_s_) || (is_recent(broad_s_) && hitsIn(frameMap(), boxInCamera(), edge_m) > 0);
 }
 
 State Pipeline::state(std::uint32_t reasons) const {
@@ -193,8 +227,18 @@ UnmatchedTexture Pipeline::unmatchedTexture() const {
   return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth()};
 }
 
-bool Pipeline::isUnmatched(const Box& box_C) const {
-  return !depth_.matched_m.empty() && !(unmatchedTexture().share(box_C) <= config_.corridor.max_unmatched_fraction);
+/// Why the newest pair's matches are not enough to call a box free, by what is seen where the box is.
+std::uint32_t Pipeline::doubts(const Box& box_C) const {
+  if (depth_.matched_m.empty()) return 0;
+  const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
+  double least = disparity_.matched_fraction;
+  for (const cv::Rect& section : crossSections(box_C, geometry_)) {
+    least = std::min(least, cv::countNonZero(is_matched(section)) / static_cast<double>(section.area()));
+  }
+  std::uint32_t reasons = 0;
+  if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
+  if (!(unmatchedTexture().share(box_C) <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
+  return reasons;
 }
 
 cv::Mat Pipeline::unmatched() const {
@@ -210,12 +254,8 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.clear_distance_m = occupancy.clear_distance_m;
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  const bool blocked = std::isfinite(occupancy.clear_distance_m);
-  verdict.reasons = report_.verdict.reasons & kMapInDoubt;
-  if (blocked) verdict.reasons |= kOccupiedCell;
-  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) verdict.reasons |= kUnobserved;
-  if (!blocked && isUnmatched({T_M_C_.inverse() * box.T_M_F, box.size_m})) verdict.reasons |= kUnmatched;
-  if (!blocked && map_.showsOutline(box)) verdict.reasons |= kOutline;
+  verdict.reasons = reasonsOf(occupancy, box) | doubts({T_M_C_.inverse() * box.T_M_F, box.size_m});
+  verdict.reasons |= report_.verdict.reasons & kMapInDoubt;
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);
@@ -248,7 +288,7 @@ const Cloud& Pipeline::cloud() {
 
 void Pipeline::takeOver(const Pipeline& before) {
   images_ = before.images_;
-  blocked_s_ = before.blocked_s_;
+  thin_s_ = std::max(before.thin_s_, before.broad_s_);
 }
 
 }  // namespace flight_corridor

@@ -6,19 +6,18 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/window_matcher.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr double kClear = 5.0;             // by how much clear texture exceeds what can be told from noise
-constexpr int kAround_px = 32;             // so far beside a gap, or a pixel of it, surfaces are looked for
-constexpr int kWitnesses = 2;              // neighbours that must lie on a surface on which a pixel fits
-constexpr double kSlack_px = 4.0;          // matching moves the edges of a gap
-constexpr double kScale = 0.9;             // smallest factor that the depth's scale may be wrong by
-constexpr double kNearestSection_m = 0.6;  // along the box; nearer ones see nearly all of the image
-constexpr double kSectionRatio = 0.85;     // of the distances of two neighbours
+constexpr double kClear = 5.0;     // by how much clear texture exceeds what can be told from noise
+constexpr int kAround_px = 32;     // so far beside a gap, or a pixel of it, surfaces are looked for
+constexpr int kWitnesses = 2;      // neighbours that must lie on a surface on which a pixel fits
+constexpr double kSlack_px = 4.0;  // matching moves the edges of a gap
+constexpr double kScale = 0.9;     // smallest factor that the depth's scale may be wrong by
 
 double sumOver(const cv::Mat& integral, const cv::Rect& area) {
   return integral.at<double>(area.br().y, area.br().x) - integral.at<double>(area.y, area.br().x) -
@@ -49,7 +48,7 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
 }
 
 double UnmatchedTexture::share(const Box& box_C) const {
-  const std::vector<cv::Rect> views = sections(box_C);
+  const std::vector<cv::Rect> views = crossSections(box_C, geometry_);
   const cv::Rect all = hull(views);
   if (all.empty()) return 0.0;
   cv::Mat texture_sum, unmatched_sum;
@@ -66,43 +65,9 @@ double UnmatchedTexture::share(const Box& box_C) const {
 
 cv::Mat UnmatchedTexture::image(const Box& box_C) const {
   cv::Mat image = cv::Mat::zeros(geometry_.size(), CV_32FC1);
-  const cv::Rect all = hull(sections(box_C));
+  const cv::Rect all = hull(crossSections(box_C, geometry_));
   if (!all.empty()) unmatched(all, farthestDepth(box_C)).copyTo(image(all));
   return image;
-}
-
-/// Views of cross-sections, from the box's end inwards.
-std::vector<cv::Rect> UnmatchedTexture::sections(const Box& box_C) const {
-  std::vector<cv::Rect> views;
-  const double length_m = box_C.size_m.x();
-  for (double x_m = length_m; views.empty() || x_m >= kNearestSection_m; x_m *= kSectionRatio) {
-    views.push_back(view(box_C, x_m));
-  }
-  views.erase(std::remove_if(views.begin(), views.end(), [](const cv::Rect& view) { return view.empty(); }),
-              views.end());
-  return views;
-}
-
-/// Pixels of the rectangle around a cross-section of a box; all where only a part of it is behind the camera.
-cv::Rect UnmatchedTexture::view(const Box& box_C, double x_m) const {
-  const cv::Size size = geometry_.size();
-  Eigen::AlignedBox2d view;
-  int behind = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_F(x_m, (i & 1 ? 0.5 : -0.5) * box_C.size_m.y(),
-                                   (i & 2 ? 0.5 : -0.5) * box_C.size_m.z());
-    const Eigen::Vector2d pixel = geometry_.project(box_C.T_M_F * corner_F);
-    if (pixel.hasNaN()) {
-      ++behind;
-    } else {
-      view.extend(pixel);
-    }
-  }
-  if (behind > 0) return behind < 4 ? cv::Rect({}, size) : cv::Rect();
-  view = view.intersection(Eigen::AlignedBox2d(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(size.width, size.height)));
-  if (view.isEmpty()) return {};
-  const Eigen::Vector2i first = view.min().cast<int>(), last = view.max().cast<int>();
-  return {first.x(), first.y(), last.x() - first.x(), last.y() - first.y()};
 }
 
 /// Texture of an area where it is unmatched, elsewhere 0.

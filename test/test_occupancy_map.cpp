@@ -99,43 +99,6 @@ TEST(OccupancyMap, ALineThroughSeveralCellsIsAnOutlineAloneItIsAMistake) {
   EXPECT_FALSE(shows(2, 3.0, before_it)) << "beyond the box";
 }
 
-/// Every pixel's ray, cell by cell: what the depth image says of each cell, without pyramids. Free up to the band.
-void castRays(const cv::Mat& depth, const Eigen::Isometry3d& T_M_C, octomap::OcTree& tree) {
-  octomap::KeySet hits, misses;
-  octomap::KeyRay ray;
-  const auto point = [](const Eigen::Vector3d& p) {
-    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
-  };
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      const float z = depth.at<float>(v, u);
-      if (!(z > 0.0f)) continue;
-      const double free_up_to = std::min(8.0, kGeometry.shiftedDepth<double>(z, MapConfig().free_band_px));
-      tree.computeRayKeys(point(T_M_C.translation()), point(T_M_C * kGeometry.point(u, v, free_up_to)), ray);
-      for (const octomap::OcTreeKey& key : ray) misses.insert(key);
-      if (z <= 8.0f) hits.insert(tree.coordToKey(point(T_M_C * kGeometry.point(u, v, z))));
-    }
-  }
-  for (const octomap::OcTreeKey& key : misses) {
-    if (hits.count(key) == 0) tree.setNodeValue(key, -1.0f, true);
-  }
-  for (const octomap::OcTreeKey& key : hits) tree.setNodeValue(key, 1.0f, true);
-}
-
-/// One ray frees a cell there, all must pass here: the answers may differ by what a tile of pixels spans at 8 m, 0.18
-/// m.
-bool isFreeAround(const octomap::OcTree& tree, const octomap::OcTreeKey& key) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int step : {-3, -2, -1, 1, 2, 3}) {
-      octomap::OcTreeKey near = key;
-      near[axis] = static_cast<octomap::key_type>(near[axis] + step);
-      const octomap::OcTreeNode* node = tree.search(near);
-      if (!node || tree.isNodeOccupied(node)) return false;
-    }
-  }
-  return true;
-}
-
 /// Tilted planes and balls at random places, seen along their pixels.
 cv::Mat randomDepth(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -152,45 +115,6 @@ cv::Mat randomDepth(std::mt19937& random) {
     }
   }
   return depth;
-}
-
-TEST(OccupancyMap, AgreesWithRaysCastOneByOne) {
-  std::mt19937 random(33);
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  for (int trial = 0; trial < 4; ++trial) {
-    const cv::Mat depth = randomDepth(random);
-    Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
-    T_M_C.translation() = 3.0 * Eigen::Vector3d(unit(random), unit(random), unit(random));
-    T_M_C.rotate(Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized());
-    OccupancyMap map(withoutHitBand(), kGeometry);
-    map.insert(depth, T_M_C);
-    octomap::OcTree oracle(MapConfig().resolution_m);
-    castRays(depth, T_M_C, oracle);
-
-    int cells = 0, occupied_both = 0, occupied_ours = 0, free_ours = 0, free_wrong = 0, free_oracle = 0;
-    for (auto leaf = oracle.begin_leafs(); leaf != oracle.end_leafs(); ++leaf) {
-      const Eigen::Vector3d p_M(leaf.getX(), leaf.getY(), leaf.getZ());
-      const Cell cell = cellAt(map, p_M);
-      ++cells;
-      if (oracle.isNodeOccupied(*leaf)) {
-        free_wrong += cell == Cell::Free;
-        continue;
-      }
-      if (!isFreeAround(oracle, leaf.getKey())) continue;
-      ++free_oracle;
-      free_ours += cell == Cell::Free;
-    }
-    for (auto leaf = map.tree().begin_leafs(); leaf != map.tree().end_leafs(); ++leaf) {
-      if (!map.tree().isNodeOccupied(*leaf)) continue;
-      ++occupied_ours;
-      const octomap::OcTreeNode* node = oracle.search(leaf.getKey());
-      occupied_both += node && oracle.isNodeOccupied(node);
-    }
-    EXPECT_EQ(free_wrong, 0) << "trial " << trial << ": cells that hold a surface called free, of " << cells;
-    EXPECT_EQ(occupied_both, occupied_ours) << "trial " << trial << ": hits without a ray's end in them";
-    EXPECT_GT(occupied_ours, 100) << "trial " << trial;
-    EXPECT_GT(free_ours, 0.98 * free_oracle) << "trial " << trial;
-  }
 }
 
 TEST(OccupancyMap, AVanishedObstacleIsFreedAndANewOneSeenAtOnce) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
@@ -77,6 +78,21 @@ TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   const Report& report = pipeline.process(frame, here);
   EXPECT_EQ(report.verdict.state, State::Unknown);
   EXPECT_TRUE(report.verdict.reasons & kUnobserved);
+}
+
+TEST(Pipeline, FreeRestsOnMatchesWhereTheCorridorIs) {
+  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  for (cv::Mat* image : {&frame.left, &frame.right}) image->colRange(80, 250).setTo(128);
+  Config config;
+  Pipeline pipeline(config, kGeometry, Rig());
+  const Report& report = pipeline.process(frame);
+  EXPECT_GT(pipeline.disparity().matched_fraction, 2.0 * config.stereo.min_matched_fraction) << "of all";
+  EXPECT_EQ(report.verdict.reasons & kNoDisparity, kNoDisparity);
+  EXPECT_FALSE(report.clears);
+  EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons & kNoDisparity, kNoDisparity);
+  config.stereo.min_matched_fraction = 0.0;
+  Pipeline careless(config, kGeometry, Rig());
+  EXPECT_EQ(careless.process(frame).verdict.reasons & kNoDisparity, 0u);
 }
 
 TEST(Pipeline, AFrameOfUnmatchedTextureClearsNothing) {
@@ -161,13 +177,49 @@ TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud)
   EXPECT_TRUE(followed);
 }
 
-TEST(Pipeline, AfterBlockedNothingIsFreeForTheHoldTime) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 7, 1.0)).verdict.state, State::Blocked);
-  const Report& held = pipeline.process(wallFrame(kGeometry, 3, 1.1));
-  EXPECT_EQ(held.verdict.state, State::Unknown);
-  EXPECT_TRUE(held.verdict.reasons & kRecentlyBlocked);
+/// A wall at 7 m, and upright boards at 3 m before it: the first column of each and how many.
+StereoFrame boardsFrame(const std::vector<std::pair<int, int>>& boards, double stamp_s) {
+  constexpr int kBoard_px = 7;
+  const int shift_px = kBoard_px + static_cast<int>(kGeometry.principalPointDifference());
+  StereoFrame frame = wallFrame(kGeometry, 3, stamp_s);
+  const StereoFrame near = wallFrame(kGeometry, kBoard_px, stamp_s + 0.01);
+  for (const auto& [left, columns] : boards) {
+    const int right = left - shift_px;
+    near.left.colRange(left, left + columns).copyTo(frame.left.colRange(left, left + columns));
+    near.right.colRange(right, right + columns).copyTo(frame.right.colRange(right, right + columns));
+  }
+  return frame;
+}
+
+/// When boards that blocked are not there 0.1 s later.
+Verdict afterBoards(const std::vector<std::pair<int, int>>& boards) {
+  Pipeline pipeline(Config(), kGeometry, Rig());
+  EXPECT_EQ(pipeline.process(boardsFrame(boards, 1.0)).verdict.state, State::Blocked);
+  const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict;
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.3)).verdict.state, State::Free);
+  return verdict;
+}
+
+TEST(Pipeline, AfterSomethingThinNothingIsFreeForTheHoldTime) {
+  const Verdict held = afterBoards({{160, 5}});
+  EXPECT_EQ(held.state, State::Unknown);
+  EXPECT_EQ(held.reasons & kRecentlyBlocked, kRecentlyBlocked);
+}
+
+TEST(Pipeline, AfterSomethingBroadIsSeenToHaveGoneTheCorridorIsFree) {
+  EXPECT_EQ(afterBoards({{140, 40}}).state, State::Free);
+}
+
+TEST(Pipeline, AThinThingBesideABroadOneKeepsTheHoldTime) {
+  EXPECT_EQ(afterBoards({{130, 30}, {175, 5}}).state, State::Unknown);
+}
+
+TEST(Pipeline, AfterTheLidarAloneBlockedNothingIsFreeForTheHoldTime) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 3.0));
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.state, State::Blocked);
+  for (const double stamp_s : {1.08, 1.09, 1.1}) pipeline.addRange(reading(stamp_s, 7.0));
+  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
 }
 
 TEST(Pipeline, ReadingsThatAreNoRangesAreCountedAndNamed) {
@@ -251,6 +303,8 @@ TEST(Pipeline, AMapInTheWorldNeedsAPose) {
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.reasons, kNoPose);
   Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
   broken.translation().x() = kNaN;
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
+  broken = Eigen::Scaling(2.0);
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
 }

@@ -6,10 +6,10 @@
 
 #include "flight_corridor/pipeline.hpp"
 #include "sim/random.hpp"
-#include "sim/render.hpp"
 #include "sim/rig.hpp"
 #include "sim/scene_parts.hpp"
 #include "sim/simulation.hpp"
+#include "sim/still.hpp"
 
 // Simulated flights and scenes against their truth.
 
@@ -89,22 +89,14 @@ TEST(PipelineFlights, ALeafsEdgeJustInsideTheEndBlocks) {
 /// Its outline alone has matches, and is shorter in pixels than a face is large: no cell of it is hit.
 TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   constexpr double kDistance_m = 1.0, kSize_m = 0.16, kInside_m = 0.08;
-  const sim::Rig rig = sim::defaultRig();
+  const StereoGeometry geometry(sim::defaultRig().calibration);
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     sim::Random random(seed, sim::Stream::Scene);
-    Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
-    T_W_B.translation() = Eigen::Vector3d(0.0, 0.0, sim::kHeight_m) - rig.T_B_C.translation();
     const Eigen::Vector3d middle_W(kDistance_m + kSize_m / 2.0, 0.6 - kInside_m + kSize_m / 2.0, sim::kHeight_m);
     const std::vector<sim::Primitive> world{sim::backdrop(8.0, sim::masonry(random)),
                                             sim::makeSphere(middle_W, kSize_m / 2.0, sim::plain(0.15))};
-    const auto image = [&](const sim::Camera& camera, const sim::ImageSensor& sensor, std::uint64_t noise) {
-      return sim::expose(sim::render(world, camera).radiance, sensor, noise);
-    };
-    Pipeline pipeline(Config(), StereoGeometry(rig.calibration), Rig());
-    const Verdict verdict = pipeline
-                                .process({1.0, image(sim::leftCamera(rig, T_W_B), rig.left, 2 * seed),
-                                          image(sim::rightCamera(rig, T_W_B), rig.right, 2 * seed + 1)})
-                                .verdict;
+    Pipeline pipeline(Config(), geometry, Rig());
+    const Verdict verdict = pipeline.process(sim::stillPair(world, seed)).verdict;
     EXPECT_NE(verdict.state, State::Free) << "seed " << seed << ": " << describeReasons(verdict.reasons);
   }
 }

@@ -126,6 +126,17 @@ TEST_F(ProcessorTest, ALidarFoundInAPairWithoutAPoseIsUsedInTheNext) {
   EXPECT_EQ(turning.lidar()->header.frame_id, "range_link");
 }
 
+TEST_F(ProcessorTest, AQuaternionTypedWithTwoDigitsIsARotation) {
+  geometry_msgs::TransformStamped typed;
+  typed.header.frame_id = "left_optical";
+  typed.child_frame_id = "forward";
+  typed.transform.rotation.x = typed.transform.rotation.w = 0.71;  // norm 1.004; tf takes it
+  transforms.add(typed, true);
+  const auto pose = transforms.find("left_optical", "forward", ros::Time(0));
+  ASSERT_TRUE(pose);
+  EXPECT_TRUE(pose->linear().isApprox(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()).matrix(), 1e-12));
+}
+
 TEST_F(ProcessorTest, TheCorridorTurnsWithItsFrame) {
   config.core.corridor.frame_id = "forward";
   Processor turning(config, transforms, inbox);

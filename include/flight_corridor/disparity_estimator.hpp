@@ -28,7 +28,7 @@ struct StereoConfig {
   double wls_lambda = 8000.0;          ///< Weight of smoothness in the WLS filter (Min et al. 2014).
   double wls_sigma = 1.5;              ///< Sensitivity to image edges in the WLS filter.
   double wls_min_confidence = 0.5;     ///< Below, a WLS value is invented, not measured [0..1].
-  double min_matched_fraction = 0.05;  ///< Fewer matched pixels: the images hold no evidence.
+  double min_matched_fraction = 0.08;  ///< Fewer matched pixels, of an image or where a box is seen: no evidence.
 };
 Violations check(const StereoConfig& config);
 

@@ -53,6 +53,9 @@ class OccupancyMap {
   /// outline has, and a hit or as many in a cell beside it. Mistakes stand alone.
   bool showsOutline(const Box& box_M) const;
 
+  /// Centres in M of the cells that the newest image hits.
+  const std::vector<Eigen::Vector3d>& hits() const { return hits_; }
+
  private:
   void addHits(const Eigen::Isometry3f& T_C_M);
   void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, double log_odds);

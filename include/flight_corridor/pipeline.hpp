@@ -59,9 +59,9 @@ class Pipeline {
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
   /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
-  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame holds
-  /// unmatched texture that would fit in it, or says that the map is not to be trusted. The answer is as old as its
-  /// stamp, the last frame's: judge its age.
+  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has too few
+  /// matches or unmatched texture that would fit in it, or says that the map is not to be trusted. The answer is as old
+  /// as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -102,10 +102,14 @@ class Pipeline {
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
   void decide();
+  std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const;
+  bool isBroad();
+  bool mayStillBlock() const;
+  const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
   State state(std::uint32_t reasons) const;
   bool isTrusted() const;
   UnmatchedTexture unmatchedTexture() const;
-  bool isUnmatched(const Box& box_C) const;
+  std::uint32_t doubts(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;
@@ -116,13 +120,14 @@ class Pipeline {
   CloudBuilder cloud_builder_;
   OccupancyMap map_;
   std::optional<OccupancyMap>
-      frame_map_;  // of this frame alone, in C: a map that remembers does not say what is seen now
+      frame_map_;          // of this frame alone, in C: a map that remembers does not say what is seen now
+  OccupancyMap thin_map_;  // what is thin in the last frame that was BLOCKED, in C
   Corridor corridor_;
 
-  double blocked_s_ = -kInfinity;  // stamp of the last BLOCKED
+  double broad_s_ = -kInfinity, thin_s_ = -kInfinity;  // stamps of the last BLOCKED by broad things alone, by others
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
-  bool is_unmatched_ = false;       // too much texture of the last pair, that would fit in the corridor
+  std::uint32_t doubts_ = 0;        // about its matches where the corridor is
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   DepthImages depth_;

@@ -78,14 +78,15 @@ enum Reason : std::uint32_t {
   kNoPose = 1u << 4,          ///< UNKNOWN: map/frame_id or corridor/frame_id needs a pose and tf gave none.
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
-  kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
+  kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
+                              ///< saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the
                               ///< LiDAR, or where it says that something is too close to be measured (-inf).
   kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or its rate fell below a third; stereo answers alone,
                        ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
-  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something did within corridor/hold_s.
+  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something thin did within corridor/hold_s.
   kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
   kOutline = 1u << 15,    ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes.

@@ -32,8 +32,6 @@ class UnmatchedTexture {
   cv::Mat image(const Box& box_C) const;
 
  private:
-  std::vector<cv::Rect> sections(const Box& box_C) const;
-  cv::Rect view(const Box& box_C, double x_m) const;
   cv::Mat unmatched(const cv::Rect& area, double farthest_m) const;
   int matcherDisparity(double disparity_px) const;
   std::array<float, 4> depthsAround(int u, int v) const;

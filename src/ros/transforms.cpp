@@ -1,7 +1,5 @@
 #include "ros/transforms.hpp"
 
-#include <tf2_eigen/tf2_eigen.h>
-
 namespace flight_corridor_ros {
 
 namespace {
@@ -23,7 +21,10 @@ std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::strin
   const ros::WallDuration pause(0.001);
   while (!buffer_.canTransform(target, source, stamp) && ros::WallTime::now() < deadline) pause.sleep();
   try {
-    return tf2::transformToEigen(buffer_.lookupTransform(target, source, stamp));
+    const geometry_msgs::Transform pose = buffer_.lookupTransform(target, source, stamp).transform;
+    const Eigen::Translation3d position(pose.translation.x, pose.translation.y, pose.translation.z);
+    const auto& q = pose.rotation;
+    return position * Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();  // tf takes norms that are off by 1 %
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

@@ -1,0 +1,44 @@
+#include "flight_corridor/cross_sections.hpp"
+
+#include <Eigen/Geometry>
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr double kNearest_m = 0.6;  // along the box; nearer ones see nearly all of the image
+constexpr double kRatio = 0.85;     // of the distances of two neighbours
+
+cv::Rect view(const Box& box_C, double x_m, const StereoGeometry& geometry) {
+  const cv::Size size = geometry.size();
+  Eigen::AlignedBox2d view;
+  int behind = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d corner_F(x_m, (i & 1 ? 0.5 : -0.5) * box_C.size_m.y(),
+                                   (i & 2 ? 0.5 : -0.5) * box_C.size_m.z());
+    const Eigen::Vector2d pixel = geometry.project(box_C.T_M_F * corner_F);
+    if (pixel.hasNaN()) {
+      ++behind;
+    } else {
+      view.extend(pixel);
+    }
+  }
+  if (behind > 0) return behind < 4 ? cv::Rect({}, size) : cv::Rect();
+  view = view.intersection(Eigen::AlignedBox2d(Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(size.width, size.height)));
+  if (view.isEmpty()) return {};
+  const Eigen::Vector2i first = view.min().cast<int>(), last = view.max().cast<int>();
+  return {first.x(), first.y(), last.x() - first.x(), last.y() - first.y()};
+}
+
+}  // namespace
+
+std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry) {
+  std::vector<cv::Rect> views;
+  const double length_m = box_C.size_m.x();
+  for (double x_m = length_m; x_m == length_m || x_m >= kNearest_m; x_m *= kRatio) {
+    if (const cv::Rect seen = view(box_C, x_m, geometry); !seen.empty()) views.push_back(seen);
+  }
+  return views;
+}
+
+}  // namespace flight_corridor

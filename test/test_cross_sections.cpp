@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "flight_corridor/cross_sections.hpp"
+#include "support/calibrations.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::vgaCalibration());  // f = 350 px, 640 x 480
+
+Box ahead(double length_m, const Eigen::Vector3d& start_F = Eigen::Vector3d::Zero()) {
+  return {opticalFromForward() * Eigen::Translation3d(start_F), {length_m, 1.2, 0.4}};
+}
+
+TEST(CrossSections, TheEndIsTheFirst) {
+  const std::vector<cv::Rect> views = crossSections(ahead(4.0), kGeometry);
+  ASSERT_FALSE(views.empty());
+  EXPECT_NEAR(views[0].width, 350.0 * 1.2 / 4.0, 1.0);
+  EXPECT_NEAR(views[0].height, 350.0 * 0.4 / 4.0, 1.0);
+  EXPECT_NEAR(views[0].x + views[0].width / 2.0, 319.5, 1.0);
+  EXPECT_NEAR(views[0].y + views[0].height / 2.0, 239.5, 1.0);
+}
+
+TEST(CrossSections, TheyGrowTowardsTheCamera) {
+  const std::vector<cv::Rect> views = crossSections(ahead(4.0), kGeometry);
+  EXPECT_EQ(views.size(), 12u);  // 4 m * 0.85^11 = 0.67 m
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    EXPECT_EQ(views[i] & views[i - 1], views[i - 1]) << i;
+    EXPECT_EQ(views[i] & cv::Rect({}, kGeometry.size()), views[i]) << i;
+  }
+  EXPECT_NEAR(views.back().width, 350.0 * 1.2 / (4.0 * std::pow(0.85, 11)), 1.0);
+}
+
+TEST(CrossSections, AShortBoxHasItsEnd) { EXPECT_EQ(crossSections(ahead(0.3), kGeometry).size(), 1u); }
+
+TEST(CrossSections, WhatIsOutOfViewIsLeftOut) {
+  EXPECT_TRUE(crossSections(ahead(4.0, {0.0, 20.0, 0.0}), kGeometry).empty());
+  EXPECT_TRUE(crossSections(ahead(4.0, {-9.0, 0.0, 0.0}), kGeometry).empty()) << "behind";
+}
+
+TEST(CrossSections, OneThatReachesBehindTheCameraMayBeAnywhere) {
+  Box across = ahead(1.0);  // its axis to the right: cross-sections reach before and behind the camera
+  across.T_M_F.linear() = across.T_M_F.linear() * Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ());
+  for (const cv::Rect& view : crossSections(across, kGeometry)) EXPECT_EQ(view, cv::Rect({}, kGeometry.size()));
+  EXPECT_FALSE(crossSections(across, kGeometry).empty());
+}
+
+}  // namespace
+}  // namespace flight_corridor
