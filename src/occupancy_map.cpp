@@ -61,8 +61,7 @@ void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C
 
 void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
   const Eigen::RowVector3f deeper = T_C_M.linear().row(2) * static_cast<float>(0.5 * config_.resolution_m);
-  outlines_.clear();
-  hits_.clear();
+  seen_.clear();
   for (const CellCounts::Cube& cube : points_.cubes()) {
     const Eigen::Array3i key = points_.lowestCell(cube);
     const Eigen::Array3d middle_M = (key.cast<double>() + 1.0 - kKeyOrigin) * config_.resolution_m;
@@ -73,9 +72,9 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
       const float depth_m = middle_m + deeper.dot(side);
       const bool is_hit = hit_rule_.isHit(cube.counts[i], depth_m);
       hits |= static_cast<unsigned>(is_hit) << i;
-      if (is_hit || hit_rule_.isOutline(cube.counts[i], depth_m)) {
-        (is_hit ? hits_ : outlines_).emplace_back(middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>());
-      }
+      if (cube.counts[i] == 0) continue;
+      const Eigen::Vector3d centre_M = middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>();
+      seen_.push_back({centre_M, depth_m, cube.counts[i], is_hit});
     }
     if (hits == 0 || (key < 0).any() || (key > kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();
@@ -84,13 +83,25 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
 }
 
 bool OccupancyMap::showsOutline(const Box& box_M) const {
-  const double beside_m = 1.5 * config_.resolution_m;  // centres of neighbours are 1 cell apart, others 2
-  return std::any_of(outlines_.begin(), outlines_.end(), [&](const Eigen::Vector3d& outline_M) {
-    const auto isBeside = [&](const Eigen::Vector3d& other_M) {
-      return &other_M != &outline_M && (other_M - outline_M).lpNorm<Eigen::Infinity>() < beside_m;
-    };
-    return contains(box_M, outline_M) && (std::any_of(outlines_.begin(), outlines_.end(), isBeside) ||
-                                          std::any_of(hits_.begin(), hits_.end(), isBeside));
+  std::unordered_map<std::uint64_t, const Seen*> near;  // by cell: those in the box and beside it
+  for (const Seen& seen : seen_) {
+    if (!intersects(box_M, seen.centre_M, 2.0 * config_.resolution_m)) continue;
+    near[packed(tree_.coordToKey(toOctomap(seen.centre_M)))] = &seen;
+  }
+  const auto isFewInBox = [&](const Seen& cell) { return !cell.is_hit && contains(box_M, cell.centre_M); };
+  const auto isOutline = [&](const Seen& cell) { return hit_rule_.isOutline(cell.points, cell.depth_m); };
+  return std::any_of(near.begin(), near.end(), [&](const auto& place) {
+    const auto& [key, cell] = place;
+    if (!isFewInBox(*cell)) return false;
+    bool is_beside = false;
+    std::uint32_t points = 0;
+    for (std::uint64_t i = 0; i < 27; ++i) {
+      const auto other = near.find(key + packed(i % 3, i / 3 % 3, i / 9) - packed(1, 1, 1));
+      if (other == near.end()) continue;
+      if (isFewInBox(*other->second)) points += other->second->points;
+      is_beside |= other->second != cell && (other->second->is_hit || isOutline(*other->second));
+    }
+    return (is_beside && isOutline(*cell)) || hit_rule_.isScattered(points, cell->depth_m);
   });
 }
 
@@ -151,8 +162,7 @@ bool OccupancyMap::touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTr
 
 void OccupancyMap::clear() {
   tree_.clear();
-  outlines_.clear();
-  hits_.clear();
+  seen_.clear();
   seen_s_.clear();
 }
 

@@ -20,8 +20,9 @@ constexpr int kBroad_cells = 4;  // hit by fewer, something may be hit by none i
 
 /// How many of the cells that the newest image hits, taken to be so large, share a point with a box.
 std::ptrdiff_t hitsIn(const OccupancyMap& map, const Box& box, double cell_m) {
-  return std::count_if(map.hits().begin(), map.hits().end(),
-                       [&](const Eigen::Vector3d& hit_M) { return intersects(box, hit_M, cell_m); });
+  return std::count_if(map.seen().begin(), map.seen().end(), [&](const OccupancyMap::Seen& cell) {
+    return cell.is_hit && intersects(box, cell.centre_M, cell_m);
+  });
 }
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.

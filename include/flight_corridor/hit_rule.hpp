@@ -28,8 +28,15 @@ class HitRule {
     return points >= min_points_ && static_cast<float>(points) * depth_m >= kOutline_px * cell_px_m_;
   }
 
+  /// Whether points in a cell and the 26 around it, in each too few for a hit, are too many to be mistakes.
+  bool isScattered(std::uint32_t points, float depth_m) const {
+    return points >= min_points_ &&
+           static_cast<float>(points) * depth_m * depth_m >= kScattered * cell_px_m_ * cell_px_m_;
+  }
+
  private:
   static constexpr float kOutline_px = 1.5f;  // points across an outline: matching gives two or three
+  static constexpr float kScattered = 0.25f;  // of a full face's; mistakes are fewer in nearly all images
 
   std::uint32_t min_points_;
   float cell_px_m_;  // edge of a cell in the image, times its depth

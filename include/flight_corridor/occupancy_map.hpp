@@ -49,12 +49,18 @@ class OccupancyMap {
 
   const octomap::OcTree& tree() const { return tree_; }
 
-  /// Whether the newest image shows something in a box that makes no hit: in a cell centred there as many points as an
-  /// outline has, and a hit or as many in a cell beside it. Mistakes stand alone.
-  bool showsOutline(const Box& box_M) const;
+  /// A cell that holds points of the newest image.
+  struct Seen {
+    Eigen::Vector3d centre_M;
+    float depth_m;
+    std::uint32_t points;
+    bool is_hit;
+  };
+  const std::vector<Seen>& seen() const { return seen_; }
 
-  /// Centres in M of the cells that the newest image hits.
-  const std::vector<Eigen::Vector3d>& hits() const { return hits_; }
+  /// Whether the newest image shows something in a box that makes no hit: in a cell centred there as many points as an
+  /// outline has, and a hit or as many in a cell beside it; or many points scattered over cells beside each other.
+  bool showsOutline(const Box& box_M) const;
 
  private:
   void addHits(const Eigen::Isometry3f& T_C_M);
@@ -67,7 +73,7 @@ class OccupancyMap {
   HitRule hit_rule_;
   PointCounter points_;
   FreeSpace free_space_;
-  std::vector<Eigen::Vector3d> outlines_, hits_;  // centres in M of the newest image's cells
+  std::vector<Seen> seen_;
   octomap::KeyRay beam_;
   std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
   std::uint64_t last_block_ = 0;
