@@ -37,10 +37,19 @@ TEST(HitRule, NearTheCameraAnOutlineIsNoHitFarFromItItIs) {
   EXPECT_TRUE(kRule.isHit(firstAtLeast(1.5 * cellPixels(4.0f)), 4.0f));
 }
 
+TEST(HitRule, AQuarterOfAFaceScatteredOverCellsIsNoMistake) {
+  for (const float depth_m : {0.6f, 1.3f, 4.0f}) {
+    const std::uint32_t enough = firstAtLeast(0.25 * std::pow(cellPixels(depth_m), 2));
+    EXPECT_TRUE(kRule.isScattered(enough, depth_m)) << depth_m;
+    EXPECT_FALSE(kRule.isScattered(enough - 1, depth_m)) << depth_m;
+  }
+}
+
 TEST(HitRule, AFewPointsFarAwayAreNeither) {
   const auto few = static_cast<std::uint32_t>(MapConfig().min_hit_points) - 1;
   EXPECT_FALSE(kRule.isHit(few, 100.0f));
   EXPECT_FALSE(kRule.isOutline(few, 100.0f));
+  EXPECT_FALSE(kRule.isScattered(few, 100.0f));
   EXPECT_TRUE(kRule.isHit(few + 1, 100.0f));
   EXPECT_TRUE(kRule.isOutline(few + 1, 100.0f));
 }

@@ -99,6 +99,22 @@ TEST(OccupancyMap, ALineThroughSeveralCellsIsAnOutlineAloneItIsAMistake) {
   EXPECT_FALSE(shows(2, 3.0, before_it)) << "beyond the box";
 }
 
+TEST(OccupancyMap, ManyPointsScatteredOverCellsAreNoMistakesFewAre) {
+  const Box ahead{opticalFromForward(), {4.0, 1.2, 0.4}};
+  const auto shows = [&](int width_px, int height_px) {
+    cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+    for (int v = 0; v < height_px; v += 3) {  // a ninth of the points at 2 m, where a cell shows 8.75 x 8.75
+      for (int u = 0; u < width_px; u += 3) depth.at<float>(112 + v, 152 + u) = 2.0f;
+    }
+    OccupancyMap map(MapConfig(), kGeometry);
+    map.insert(depth, Eigen::Isometry3d::Identity());
+    EXPECT_NE(cellAt(map, kGeometry.point(152, 112, 1.98)), Cell::Occupied);
+    return map.showsOutline(ahead);
+  };
+  EXPECT_TRUE(shows(18, 18));
+  EXPECT_FALSE(shows(9, 9));
+}
+
 /// Tilted planes and balls at random places, seen along their pixels.
 cv::Mat randomDepth(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -86,6 +86,21 @@ TEST(PipelineFlights, ALeafsEdgeJustInsideTheEndBlocks) {
   EXPECT_EQ(answer(alike), State::Free) << "no longer a frame that shows what the band of thin things is for";
 }
 
+/// As grey as the wall behind it: hardly a tenth of its pixels has a match, in no cell enough for a hit.
+TEST(PipelineFlights, AThingThatIsHardlyMatchedIsNotFree) {
+  sim::SimulationOptions options;
+  options.scene = "small_thing";
+  options.seed = 240;
+  options.rate_hz = 10.0;
+  const sim::Simulation simulation(options);
+  constexpr std::size_t kFrame = 47;
+  ASSERT_NEAR(simulation.truth(kFrame).clear_exact_m, 2.78, 0.01);
+  Pipeline pipeline(Config(), StereoGeometry(simulation.calibration()), Rig());
+  const Verdict verdict = pipeline.process(simulation.frame(kFrame)).verdict;
+  EXPECT_EQ(verdict.state, State::Unknown);
+  EXPECT_EQ(verdict.reasons & kOutline, kOutline);
+}
+
 /// Its outline alone has matches, and is shorter in pixels than a face is large: no cell of it is hit.
 TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   constexpr double kDistance_m = 1.0, kSize_m = 0.16, kInside_m = 0.08;
