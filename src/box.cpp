@@ -20,13 +20,15 @@ Violations check(const Box& box, double cell_m) {
     rules.require(0.0 < box.size_m[axis] && box.size_m[axis] <= kLongest_m, kSides[axis], "above 0, up to 100",
                   box.size_m[axis]);
   }
-  rules.require(box.T_M_F.linear().isUnitary(kTouch_m), "orientation", "a rotation", box.T_M_F.linear().determinant());
+  rules.require(isRotation(box.T_M_F.linear()), "orientation", "a rotation", box.T_M_F.linear().determinant());
   const Eigen::Vector3d others_m(box.size_m.y(), box.size_m.z(), box.size_m.x());
   const double surface_m2 = 2.0 * box.size_m.dot(others_m);
   const double surface_cells = surface_m2 / (cell_m * cell_m);
   rules.require(surface_cells <= kLargest_cells, "surface", "up to 1000000 of the map's cells", surface_cells);
   return rules.broken();
 }
+
+bool isRotation(const Eigen::Matrix3d& R) { return R.isUnitary(kTouch_m) && R.determinant() > 0.0; }
 
 Eigen::Vector3d centre(const Box& box) { return box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0); }
 

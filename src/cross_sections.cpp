@@ -9,7 +9,8 @@ namespace {
 constexpr double kNearest_m = 0.6;  // along the box; nearer ones see nearly all of the image
 constexpr double kRatio = 0.85;     // of the distances of two neighbours
 
-cv::Rect view(const Box& box_C, double x_m, const StereoGeometry& geometry) {
+/// The rectangle around one, cut to the image; empty where it is out of view.
+cv::Rect viewOf(const Box& box_C, double x_m, const StereoGeometry& geometry) {
   const cv::Size size = geometry.size();
   Eigen::AlignedBox2d view;
   int behind = 0;
@@ -34,10 +35,11 @@ cv::Rect view(const Box& box_C, double x_m, const StereoGeometry& geometry) {
 
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry) {
   std::vector<cv::Rect> views;
-  const double length_m = box_C.size_m.x();
-  for (double x_m = length_m; x_m == length_m || x_m >= kNearest_m; x_m *= kRatio) {
-    if (const cv::Rect seen = view(box_C, x_m, geometry); !seen.empty()) views.push_back(seen);
-  }
+  double x_m = box_C.size_m.x();
+  do {
+    if (const cv::Rect view = viewOf(box_C, x_m, geometry); !view.empty()) views.push_back(view);
+    x_m *= kRatio;
+  } while (x_m >= kNearest_m);
   return views;
 }
 

@@ -12,17 +12,28 @@ namespace flight_corridor {
 namespace {
 
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
-    kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity | kFrozenImage;
+    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage;
 
-constexpr double kEdge_cells = 3.0;  // so far from a box's side noise may have moved what stands in it
+constexpr double kEdge_m = 0.15;     // so far from a box's side noise may have moved what stands in it
+constexpr double kBroad_m2 = 0.035;  // face of the hit cells: with a smaller one, or fewer cells, something may be hit
+constexpr int kBroad_cells = 4;      // nowhere in the next image
 
-constexpr int kBroad_cells = 4;  // hit by fewer, something may be hit by none in the next image
+/// Of the cells that the newest image hits, taken to be so large, those that share a point with a box.
+struct Hits {
+  int cells = 0;
+  double begin_m = kInfinity;  // where the nearest begins, along the box's axis
+};
 
-/// How many of the cells that the newest image hits, taken to be so large, share a point with a box.
-std::ptrdiff_t hitsIn(const OccupancyMap& map, const Box& box, double cell_m) {
-  return std::count_if(map.seen().begin(), map.seen().end(), [&](const OccupancyMap::Seen& cell) {
-    return cell.is_hit && intersects(box, cell.centre_M, cell_m);
-  });
+Hits hitsIn(const OccupancyMap& map, const Box& box, double cell_m) {
+  const Eigen::Vector3d forward = box.T_M_F.linear().col(0);
+  Hits hits;
+  for (const OccupancyMap::Seen& cell : map.seen()) {
+    if (!cell.is_hit || !intersects(box, cell.centre_M, cell_m)) continue;
+    const double middle_m = forward.dot(cell.centre_M - box.T_M_F.translation());
+    hits.begin_m = std::min(hits.begin_m, middle_m - 0.5 * cell_m * forward.lpNorm<1>());
+    ++hits.cells;
+  }
+  return hits;
 }
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
@@ -116,7 +127,7 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   std::uint32_t reasons = 0;
   if (!std::isfinite(frame.stamp_s)) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
-  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && T_W_C->linear().isUnitary(kTouch_m);
+  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
 }
@@ -200,14 +211,18 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   return reasons;
 }
 
-/// Whether this frame shows what blocks, and nothing thin among it: images miss thin things now and then.
+/// Whether what blocks is what this frame shows, and nothing thin among it: images miss thin things now and then.
 bool Pipeline::isBroad() {
-  cv::Mat thin_m(geometry_.size(), CV_32FC1, cv::Scalar(kNaN));
-  depth_.filled_m.copyTo(thin_m, disparity_.thin);
+  thin_m_.create(geometry_.size(), CV_32FC1);
+  thin_m_.setTo(kNaN);
+  depth_.filled_m.copyTo(thin_m_, disparity_.thin);
   thin_map_.clear();
-  thin_map_.insert(thin_m, Eigen::Isometry3d::Identity(), false, disparity_.thin);
+  thin_map_.insert(thin_m_, Eigen::Isometry3d::Identity(), false, disparity_.thin);
   const double cell_m = config_.map.resolution_m;
-  return hitsIn(frameMap(), boxInCamera(), cell_m) >= kBroad_cells && hitsIn(thin_map_, boxInCamera(), cell_m) == 0;
+  const Hits hits = hitsIn(frameMap(), boxInCamera(), cell_m);
+  const bool is_large = hits.cells >= kBroad_cells && hits.cells * cell_m * cell_m >= kBroad_m2;
+  const bool is_shown = report_.verdict.clear_distance_m >= hits.begin_m - cell_m;  // the map may have another grid
+  return is_large && is_shown && hitsIn(thin_map_, boxInCamera(), cell_m).cells == 0;
 }
 
 /// Whether what blocked lately may still be there: something thin that was missed, something broad at the box's edge.
@@ -215,8 +230,8 @@ bool Pipeline::mayStillBlock() const {
   const auto is_recent = [&](double blocked_s) {
     return std::abs(report_.verdict.stamp_s - blocked_s) <= config_.corridor.hold_s;
   };
-  const double edge_m = kEdge_cells * config_.map.resolution_m;
-  return is_recent(thin_s_) || (is_recent(broad_s_) && hitsIn(frameMap(), boxInCamera(), edge_m) > 0);
+  const double reach_m = std::max(2.0 * kEdge_m, 3.0 * config_.map.resolution_m);
+  return is_recent(thin_s_) || (is_recent(broad_s_) && hitsIn(frameMap(), boxInCamera(), reach_m).cells > 0);
 }
 
 State Pipeline::state(std::uint32_t reasons) const {
@@ -230,7 +245,7 @@ UnmatchedTexture Pipeline::unmatchedTexture() const {
 
 /// Why the newest pair's matches are not enough to call a box free, by what is seen where the box is.
 std::uint32_t Pipeline::doubts(const Box& box_C) const {
-  if (depth_.matched_m.empty()) return 0;
+  if (depth_.matched_m.empty()) return 0;  // no pair yet: NO_DATA says so
   const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
   double least = disparity_.matched_fraction;
   for (const cv::Rect& section : crossSections(box_C, geometry_)) {
@@ -255,8 +270,10 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.clear_distance_m = occupancy.clear_distance_m;
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  verdict.reasons = reasonsOf(occupancy, box) | doubts({T_M_C_.inverse() * box.T_M_F, box.size_m});
-  verdict.reasons |= report_.verdict.reasons & kMapInDoubt;
+  verdict.reasons = reasonsOf(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
+  if (stateOf(verdict.reasons) != State::Blocked) {
+    verdict.reasons |= doubts({T_M_C_.inverse() * box.T_M_F, box.size_m});
+  }
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/window_matcher.hpp"

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "flight_corridor/cross_sections.hpp"
 #include "support/calibrations.hpp"
@@ -33,7 +34,10 @@ TEST(CrossSections, TheyGrowTowardsTheCamera) {
   EXPECT_NEAR(views.back().width, 350.0 * 1.2 / (4.0 * std::pow(0.85, 11)), 1.0);
 }
 
-TEST(CrossSections, AShortBoxHasItsEnd) { EXPECT_EQ(crossSections(ahead(0.3), kGeometry).size(), 1u); }
+TEST(CrossSections, AShortBoxHasItsEnd) {
+  EXPECT_EQ(crossSections(ahead(0.3), kGeometry).size(), 1u);
+  EXPECT_LE(crossSections(ahead(std::numeric_limits<double>::denorm_min()), kGeometry).size(), 1u) << "and ends";
+}
 
 TEST(CrossSections, WhatIsOutOfViewIsLeftOut) {
   EXPECT_TRUE(crossSections(ahead(4.0, {0.0, 20.0, 0.0}), kGeometry).empty());

@@ -58,6 +58,8 @@ TEST(HitRule, BehindTheCameraNothingIsHit) {
   EXPECT_FALSE(kRule.isHit(10000, -1.0f));
   EXPECT_FALSE(kRule.isHit(10000, 0.0f));
   EXPECT_FALSE(kRule.isOutline(10000, -1.0f));
+  EXPECT_FALSE(kRule.isScattered(10000, -1.0f));
+  EXPECT_FALSE(kRule.isScattered(10000, 0.0f));
   EXPECT_FALSE(kRule.isOutline(10000, 0.0f));
 }
 

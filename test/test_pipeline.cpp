@@ -210,6 +210,16 @@ TEST(Pipeline, AfterSomethingBroadIsSeenToHaveGoneTheCorridorIsFree) {
   EXPECT_EQ(afterBoards({{140, 40}}).state, State::Free);
 }
 
+TEST(Pipeline, ARangeThatEndsBeforeTheBroadThingKeepsTheHoldTime) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 1.5));
+  const Verdict blocked = pipeline.process(boardsFrame({{140, 40}}, 1.0)).verdict;
+  ASSERT_TRUE(blocked.reasons & kOccupiedCell);
+  ASSERT_NEAR(blocked.clear_distance_m, 1.5, 0.1);
+  for (const double stamp_s : {1.08, 1.09, 1.1}) pipeline.addRange(reading(stamp_s, 7.0));
+  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
+}
+
 TEST(Pipeline, AThinThingBesideABroadOneKeepsTheHoldTime) {
   EXPECT_EQ(afterBoards({{130, 30}, {175, 5}}).state, State::Unknown);
 }
@@ -304,8 +314,10 @@ TEST(Pipeline, AMapInTheWorldNeedsAPose) {
   Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
   broken.translation().x() = kNaN;
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
-  broken = Eigen::Scaling(2.0);
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
+  for (const Eigen::Vector3d& scale : {Eigen::Vector3d(2, 2, 2), Eigen::Vector3d(1, 1, -1)}) {
+    broken = Eigen::Scaling(scale);
+    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose) << scale.transpose();
+  }
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
 }
 

@@ -19,6 +19,9 @@ struct Box {
 /// so large a surface that looking at it would take longer than a frame.
 Violations check(const Box& box, double cell_m);
 
+/// Not scaled, not sheared, not mirrored.
+bool isRotation(const Eigen::Matrix3d& R);
+
 /// Of the box, in M [m].
 Eigen::Vector3d centre(const Box& box);
 

@@ -21,7 +21,7 @@ struct CorridorConfig {
   double blind_m = 0.4;                  ///< Nearer than this nothing needs to have been observed.
   double max_unknown_fraction = 0.1;     ///< More unobserved volume than this: UNKNOWN.
   double max_unmatched_fraction = 0.05;  ///< More texture in view that has no match, but would fit in: UNKNOWN.
-  double hold_s = 0.25;    ///< After something thin blocked nothing is FREE for so long: it is missed now and then.
+  double hold_s = 0.25;    ///< After BLOCKED nothing is FREE for so long, but what was broad and is seen to have gone.
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };
 Violations check(const CorridorConfig& config);

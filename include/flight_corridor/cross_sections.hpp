@@ -9,8 +9,8 @@
 namespace flight_corridor {
 
 /// Where the left image shows cross-sections of a box, from its end inwards to 0.6 m, each 0.85 times as far along it
-/// as the last: rectangles of pixels around them, cut to the image; those out of view are left out. All of the image
-/// where only a part of a cross-section is behind the camera.
+/// as the last: rectangles of pixels around them, cut to the image; those out of view or below a pixel are left out.
+/// All of the image where only a part of a cross-section is behind the camera.
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry);
 
 }  // namespace flight_corridor

@@ -8,7 +8,8 @@
 
 namespace flight_corridor {
 
-/// Whether points in a cell make it a hit: enough of them for its distance, so that speckles do not and thin poles do.
+/// What the points in a cell make of it, by its distance: a hit, if they are so many that speckles make none and thin
+/// poles do; an outline; or too many to be mistakes.
 class HitRule {
  public:
   HitRule(const MapConfig& config, const StereoCalibration& calibration)
@@ -28,9 +29,10 @@ class HitRule {
     return points >= min_points_ && static_cast<float>(points) * depth_m >= kOutline_px * cell_px_m_;
   }
 
-  /// Whether points in a cell and the 26 around it, in each too few for a hit, are too many to be mistakes.
+  /// Whether there are too many to be mistakes.
+  /// @param points of a cell and the 26 around it, without those that are hit.
   bool isScattered(std::uint32_t points, float depth_m) const {
-    return points >= min_points_ &&
+    return points >= min_points_ && depth_m > 0.0f &&
            static_cast<float>(points) * depth_m * depth_m >= kScattered * cell_px_m_ * cell_px_m_;
   }
 

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <unordered_map>
 #include <vector>

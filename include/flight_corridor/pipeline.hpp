@@ -60,8 +60,8 @@ class Pipeline {
 
   /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
   /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has too few
-  /// matches or unmatched texture that would fit in it, or says that the map is not to be trusted. The answer is as old
-  /// as its stamp, the last frame's: judge its age.
+  /// matches there, unmatched texture that would fit in it or points that make no hit, or says that the map is not to
+  /// be trusted. The answer is as old as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -103,7 +103,7 @@ class Pipeline {
   CorridorOccupancy inspectCorridor() const;
   void decide();
   std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const;
-  bool isBroad();
+  bool isBroad();  // fills thin_map_
   bool mayStillBlock() const;
   const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
   State state(std::uint32_t reasons) const;
@@ -119,9 +119,10 @@ class Pipeline {
   RangeTracker range_tracker_;
   CloudBuilder cloud_builder_;
   OccupancyMap map_;
-  std::optional<OccupancyMap>
-      frame_map_;          // of this frame alone, in C: a map that remembers does not say what is seen now
+  // Of this frame alone, in C: a map that remembers does not say what is seen now.
+  std::optional<OccupancyMap> frame_map_;
   OccupancyMap thin_map_;  // what is thin in the last frame that was BLOCKED, in C
+  cv::Mat thin_m_;         // ... and its depth
   Corridor corridor_;
 
   double broad_s_ = -kInfinity, thin_s_ = -kInfinity;  // stamps of the last BLOCKED by broad things alone, by others

@@ -71,12 +71,12 @@ const char* toString(State state);
 
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
-  kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
-  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
-  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
-  kNoPose = 1u << 4,          ///< UNKNOWN: map/frame_id or corridor/frame_id needs a pose and tf gave none.
-  kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
+  kOccupiedCell = 1u << 0,  ///< BLOCKED: an occupied cell intersects the box.
+  kShortRange = 1u << 1,    ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
+  kUnobserved = 1u << 2,    ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
+  kNoData = 1u << 3,        ///< UNKNOWN: no stereo pair, or the newest one is too old.
+  kNoPose = 1u << 4,    ///< UNKNOWN: map/frame_id or corridor/frame_id needs a pose and tf gave none, or no rigid one.
+  kBadImage = 1u << 5,  ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
                               ///< saturated, covered lens).
@@ -86,7 +86,8 @@ enum Reason : std::uint32_t {
                        ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
-  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but something thin did within corridor/hold_s.
+  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
+                                ///< seen to have gone: thin, small, beside the box now, or not shown by the images.
   kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
   kOutline = 1u << 15,    ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes.

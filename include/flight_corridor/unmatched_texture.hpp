@@ -2,7 +2,6 @@
 
 #include <array>
 #include <opencv2/core/mat.hpp>
-#include <vector>
 
 #include "flight_corridor/box.hpp"
 #include "flight_corridor/disparity_estimator.hpp"

@@ -24,7 +24,8 @@ std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::strin
     const geometry_msgs::Transform pose = buffer_.lookupTransform(target, source, stamp).transform;
     const Eigen::Translation3d position(pose.translation.x, pose.translation.y, pose.translation.z);
     const auto& q = pose.rotation;
-    return position * Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();  // tf takes norms that are off by 1 %
+    return position *
+           Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();  // tf takes squared norms that are off by 1 %
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }
