@@ -13,7 +13,8 @@ constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a match
 constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
 constexpr double kAround = 6.0;          // radii around a footprint in which its surface should be alone
-constexpr double kSameSurface_px = 0.3;  // three sigma of a match: far away a pixel is metres
+constexpr double kBeside = 3.0;          // ... within which the beam may have met something
+constexpr double kFewest = 0.15;         // matches of the pixels there
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -104,6 +105,16 @@ std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_p
                                   [&](float d) { return std::abs(d - reading.disparity_px) <= kSameSurface_px; });
   reading.unity = static_cast<double>(same) / static_cast<double>(scratch_.size());
   return reading;
+}
+
+const std::vector<float>& BeamFootprint::matchesBeside(const cv::Mat& disparity_px, double range_m,
+                                                       double beam_width_rad) {
+  scratch_.clear();
+  const auto footprint = at(range_m, beam_width_rad);
+  if (!footprint) return scratch_;
+  const int pixels = collect(disparity_px, {footprint->centre_px, kBeside * footprint->radius_px});
+  if (scratch_.size() < kFewest * pixels) scratch_.clear();
+  return scratch_;
 }
 
 }  // namespace flight_corridor

@@ -14,28 +14,6 @@ namespace {
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage;
 
-constexpr double kEdge_m = 0.15;     // so far from a box's side noise may have moved what stands in it
-constexpr double kBroad_m2 = 0.035;  // face of the hit cells: with a smaller one, or fewer cells, something may be hit
-constexpr int kBroad_cells = 4;      // nowhere in the next image
-
-/// Of the cells that the newest image hits, taken to be so large, those that share a point with a box.
-struct Hits {
-  int cells = 0;
-  double begin_m = kInfinity;  // where the nearest begins, along the box's axis
-};
-
-Hits hitsIn(const OccupancyMap& map, const Box& box, double cell_m) {
-  const Eigen::Vector3d forward = box.T_M_F.linear().col(0);
-  Hits hits;
-  for (const OccupancyMap::Seen& cell : map.seen()) {
-    if (!cell.is_hit || !intersects(box, cell.centre_M, cell_m)) continue;
-    const double middle_m = forward.dot(cell.centre_M - box.T_M_F.translation());
-    hits.begin_m = std::min(hits.begin_m, middle_m - 0.5 * cell_m * forward.lpNorm<1>());
-    ++hits.cells;
-  }
-  return hits;
-}
-
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
  public:
@@ -69,8 +47,8 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       range_tracker_(config, geometry, rig.T_C_L),
       cloud_builder_(config.cloud, geometry),
       map_(config.map, geometry),
-      thin_map_(inCamera(config.map), geometry),
-      corridor_(config.corridor) {
+      corridor_(config.corridor),
+      recent_block_(config.corridor.hold_s, config.map.resolution_m) {
   if (!config.map.frame_id.empty()) frame_map_.emplace(inCamera(config.map), geometry);
 }
 
@@ -195,8 +173,8 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   if (beam_end_m) verdict.reasons |= kShortRange;
   if (stateOf(verdict.reasons) == State::Blocked) {
-    (isBroad() ? broad_s_ : thin_s_) = verdict.stamp_s;
-  } else if (mayStillBlock()) {
+    recent_block_.note(verdict, frameMap(), boxInCamera());
+  } else if (recent_block_.mayRemain(verdict.stamp_s, frameMap(), boxInCamera())) {
     verdict.reasons |= kRecentlyBlocked;
   }
   verdict.state = state(verdict.reasons);
@@ -209,29 +187,6 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (!(reasons & kOccupiedCell) && map_.showsOutline(box_M)) reasons |= kOutline;
   return reasons;
-}
-
-/// Whether what blocks is what this frame shows, and nothing thin among it: images miss thin things now and then.
-bool Pipeline::isBroad() {
-  thin_m_.create(geometry_.size(), CV_32FC1);
-  thin_m_.setTo(kNaN);
-  depth_.filled_m.copyTo(thin_m_, disparity_.thin);
-  thin_map_.clear();
-  thin_map_.insert(thin_m_, Eigen::Isometry3d::Identity(), false, disparity_.thin);
-  const double cell_m = config_.map.resolution_m;
-  const Hits hits = hitsIn(frameMap(), boxInCamera(), cell_m);
-  const bool is_large = hits.cells >= kBroad_cells && hits.cells * cell_m * cell_m >= kBroad_m2;
-  const bool is_shown = report_.verdict.clear_distance_m >= hits.begin_m - cell_m;  // the map may have another grid
-  return is_large && is_shown && hitsIn(thin_map_, boxInCamera(), cell_m).cells == 0;
-}
-
-/// Whether what blocked lately may still be there: something thin that was missed, something broad at the box's edge.
-bool Pipeline::mayStillBlock() const {
-  const auto is_recent = [&](double blocked_s) {
-    return std::abs(report_.verdict.stamp_s - blocked_s) <= config_.corridor.hold_s;
-  };
-  const double reach_m = std::max(2.0 * kEdge_m, 3.0 * config_.map.resolution_m);
-  return is_recent(thin_s_) || (is_recent(broad_s_) && hitsIn(frameMap(), boxInCamera(), reach_m).cells > 0);
 }
 
 State Pipeline::state(std::uint32_t reasons) const {
@@ -306,7 +261,7 @@ const Cloud& Pipeline::cloud() {
 
 void Pipeline::takeOver(const Pipeline& before) {
   images_ = before.images_;
-  thin_s_ = std::max(before.thin_s_, before.broad_s_);
+  recent_block_.takeOver(before.recent_block_);
 }
 
 }  // namespace flight_corridor

@@ -14,7 +14,9 @@ constexpr int kLastKey = 65535;
 constexpr unsigned kWindowBits = 10;  // of a cell's place on one axis of the window
 constexpr int kWindowCells = 1 << kWindowBits;
 constexpr std::uint32_t kNoCell = ~std::uint32_t{0};
-constexpr std::uint32_t kParent = ~(1u | 1u << kWindowBits | 1u << 2 * kWindowBits);  // of a cell: its parent's lowest
+constexpr std::uint32_t kThin = 1u << 3 * kWindowBits;  // beside a cell: its points are thin
+constexpr std::uint32_t kParent =                       // of a cell: its parent's lowest
+    ~(1u | 1u << kWindowBits | 1u << 2 * kWindowBits | kThin);
 
 /// Which child of its parent a cell of the window is.
 unsigned childOfParent(std::uint32_t cell) {
@@ -52,7 +54,8 @@ void PointCounter::count(const cv::Mat& depth_m, const cv::Mat& thin, const Eige
     int begin = 0;
     for (const int end : run_ends_) {
       const std::uint32_t cell = row_cells_[begin];
-      if (cell != kNoCell) points_.add(cell & kParent, childOfParent(cell), static_cast<std::uint32_t>(end - begin));
+      const auto points = static_cast<std::uint32_t>(end - begin);
+      if (cell != kNoCell) points_.add(cell & kParent, childOfParent(cell), points, cell & kThin);
       begin = end;
     }
   }
@@ -100,7 +103,8 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const st
     const auto x = static_cast<int>((first_x + step_x * column) * inside_m + origin_x);
     const auto y = static_cast<int>((first_y + step_y * column) * inside_m + origin_y);
     const auto z = static_cast<int>((first_z + step_z * column) * inside_m + origin_z);
-    const auto cell = static_cast<std::uint32_t>(x | y << kWindowBits | z << 2 * kWindowBits);
+    const auto place = static_cast<std::uint32_t>(x | y << kWindowBits | z << 2 * kWindowBits);
+    const std::uint32_t cell = place | (thin[u] != 0 ? kThin : 0);
     cells[u] = cell | -static_cast<std::uint32_t>(!(hit_m <= max_range_m));
   }
 }

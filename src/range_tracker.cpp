@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
+constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
@@ -60,7 +61,9 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
   tracked.range = fusion_.at(stamp_s);
   tracked.range_lidar_m = lidarRange(stamp_s);
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
-  tracked.lidar_is_nearer = tracked.range.stereo_disagrees || too_close;
+  const bool is_contradicted =
+      tracked.range.stereo_disagrees && !isShownBeside(tracked.range.range_m, disparity.matched_px);
+  tracked.lidar_is_nearer = is_contradicted || too_close;
   tracked.scale = scale_.scale(reference_px);
   tracked.scale_sigma = scale_.sigma(reference_px);
   tracked.range_reasons = reasons(stamp_s, tracked);
@@ -74,6 +77,17 @@ std::uint32_t RangeTracker::reasons(double stamp_s, const TrackedRange& tracked)
   if (lidar_.isRejected()) reasons |= kLidarRejected;
   if (std::isnan(tracked.range.range_m)) reasons |= kNoRangeObserved;
   return reasons;
+}
+
+/// Whether the beam met an edge: stereo follows what is behind it, but shows it, too, and does not contradict the
+/// LiDAR.
+bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
+  const double expected_px = geometry_.disparity(beam_.depth(range_m));
+  const std::vector<float>& matches_px = beam_.matchesBeside(matched_px, range_m, lidar_.beamWidth());
+  const auto shown = std::count_if(matches_px.begin(), matches_px.end(), [&](float d) {
+    return std::abs(scale_.correct(d) - expected_px) <= kSameSurface_px;
+  });
+  return shown > 0 && static_cast<double>(shown) >= kShown * static_cast<double>(matches_px.size());
 }
 
 /// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d). Not

@@ -53,6 +53,23 @@ TEST(BeamFootprint, AMedianWithstandsOutliers) {
   EXPECT_NEAR(reading->range_m, 3.1, 1e-4);
 }
 
+TEST(BeamFootprint, WhatIsMatchedBesideTheBeamIsTold) {
+  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  const double radius_px = beam.at(3.0, 0.04)->radius_px;
+  const auto all = static_cast<double>(beam.matchesBeside(wall(3.0), 3.0, 0.04).size());
+  EXPECT_NEAR(all, 9.0 * M_PI * radius_px * radius_px, 0.02 * all);
+  cv::Mat disparity = wall(3.0);
+  for (int v = 0; v < disparity.rows; ++v) {
+    if (v % 5) disparity.row(v).setTo(kNaN);
+  }
+  EXPECT_NEAR(static_cast<double>(beam.matchesBeside(disparity, 3.0, 0.04).size()), 0.2 * all, 0.05 * all);
+  for (int v = 0; v < disparity.rows; ++v) {
+    if (v % 10) disparity.row(v).setTo(kNaN);
+  }
+  EXPECT_TRUE(beam.matchesBeside(disparity, 3.0, 0.04).empty()) << "too few to tell";
+  EXPECT_TRUE(beam.matchesBeside(wall(3.0), 0.1, 0.04).empty()) << "not in view";
+}
+
 TEST(BeamFootprint, WithoutEnoughMatchesThereIsNoReading) {
   BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
   EXPECT_FALSE(beam.read(cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), 3.0, 0.04));

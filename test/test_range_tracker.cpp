@@ -107,6 +107,26 @@ TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
   EXPECT_FALSE(tracker.update(3.0, showing(3.0)).lidar_is_nearer) << "one that is silent says nothing";
 }
 
+TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContradictIt) {
+  const double edge_px = kGeometry.disparity(4.7);
+  for (const double beside_px : {edge_px, edge_px + 0.6}) {
+    RangeTracker tracker = trackerWithLidar();
+    Disparity disparity = showing(3.0);
+    disparity.matched_px.colRange(162, 320).setTo(beside_px);  // within three radii of the beam, but not on it
+    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity);
+    ASSERT_TRUE(tracked.range_reasons & kDisagreement);
+    EXPECT_EQ(tracked.lidar_is_nearer, beside_px != edge_px);
+  }
+}
+
+TEST(RangeTracker, AFewMatchesBesideTheBeamShowNothing) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
+  Disparity disparity = showing(kNaN, 3.0);
+  disparity.matched_px(cv::Rect(159, 119, 2, 2)).setTo(kGeometry.disparity(4.7));
+  EXPECT_TRUE(tracker.update(1.5, disparity).lidar_is_nearer);
+}
+
 TEST(RangeTracker, ALidarThatSaysTooCloseIsNearer) {
   RangeTracker tracker = trackerWithLidar();
   ASSERT_FALSE(trackedFor(tracker, 7.0, showing(3.0)).lidar_is_nearer);

@@ -18,6 +18,8 @@ struct LidarConfig {
 };
 Violations check(const LidarConfig& config);
 
+constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
+
 /// A patch of the left image that the beam covers at one range.
 struct Footprint {
   Eigen::Vector2d centre_px;
@@ -58,6 +60,10 @@ class BeamFootprint {
   /// @param range_guess_m NaN: start at the far end.
   /// @return nullopt when too few pixels match or no self-consistent surface is found.
   std::optional<FootprintReading> read(const cv::Mat& disparity_px, double range_guess_m, double beam_width_rad);
+
+  /// Matches within three radii of the beam at a range, where the beam may have met something by its edge; none where
+  /// they are fewer than 0.15 of the pixels.  @return valid until the next call.
+  const std::vector<float>& matchesBeside(const cv::Mat& disparity_px, double range_m, double beam_width_rad);
 
  private:
   int collect(const cv::Mat& disparity_px, const Footprint& circle);

@@ -56,6 +56,7 @@ class OccupancyMap {
     float depth_m;
     std::uint32_t points;
     bool is_hit;
+    bool is_thin;  // what is thin in it is a hit by itself
   };
   const std::vector<Seen>& seen() const { return seen_; }
 

@@ -10,6 +10,7 @@
 #include "flight_corridor/image_watch.hpp"
 #include "flight_corridor/occupancy_map.hpp"
 #include "flight_corridor/range_tracker.hpp"
+#include "flight_corridor/recent_block.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/surface_in_box.hpp"
 #include "flight_corridor/types.hpp"
@@ -103,8 +104,6 @@ class Pipeline {
   CorridorOccupancy inspectCorridor() const;
   void decide();
   std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const;
-  bool isBroad();  // fills thin_map_
-  bool mayStillBlock() const;
   const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
   State state(std::uint32_t reasons) const;
   bool isTrusted() const;
@@ -121,11 +120,9 @@ class Pipeline {
   OccupancyMap map_;
   // Of this frame alone, in C: a map that remembers does not say what is seen now.
   std::optional<OccupancyMap> frame_map_;
-  OccupancyMap thin_map_;  // what is thin in the last frame that was BLOCKED, in C
-  cv::Mat thin_m_;         // ... and its depth
   Corridor corridor_;
+  RecentBlock recent_block_;
 
-  double broad_s_ = -kInfinity, thin_s_ = -kInfinity;  // stamps of the last BLOCKED by broad things alone, by others
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   std::uint32_t doubts_ = 0;        // about its matches where the corridor is

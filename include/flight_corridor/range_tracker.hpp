@@ -20,7 +20,7 @@ struct TrackedRange {
   RangeEstimate range;           ///< d_K at the pair's stamp.
   double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
   double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
-  bool lidar_is_nearer = false;  ///< Than stereo, lastingly; or says that something is too close to be measured.
+  bool lidar_is_nearer = false;  ///< Than all stereo shows beside the beam, lastingly; or too close to be measured.
   double scale = 1.0;            ///< Depth after / before correction, at D_c (at 4 m without one).
   double scale_sigma = kNaN;
   Outcome stereo_outcome = Outcome::Invalid;  ///< What became of D_c; Invalid without one.
@@ -49,6 +49,7 @@ class RangeTracker {
   const ScaleCorrection& scale() const { return scale_; }
 
  private:
+  bool isShownBeside(double range_m, const cv::Mat& matched_px);
   double stereoVariance(const FootprintReading& stereo) const;
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
   double lidarRange(double stamp_s) const;

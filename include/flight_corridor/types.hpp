@@ -81,16 +81,18 @@ enum Reason : std::uint32_t {
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
                               ///< saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the
-                              ///< LiDAR, or where it says that something is too close to be measured (-inf).
+                              ///< LiDAR and stereo does not show beside the beam what it met, or where it says that
+                              ///< something is too close to be measured (-inf).
   kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or its rate fell below a third; stereo answers alone,
                        ///< or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
-  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
-                                ///< seen to have gone: thin, small, beside the box now, or not shown by the images.
-  kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kUnmatched = 1u << 14,  ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
-  kOutline = 1u << 15,    ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes.
+  kRecentlyBlocked =
+      1u << 12,             ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
+                            ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
+  kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
+  kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
+  kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes.
 };
 
 /// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that
