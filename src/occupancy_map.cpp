@@ -74,7 +74,8 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
       hits |= static_cast<unsigned>(is_hit) << i;
       if (cube.counts[i] == 0) continue;
       const Eigen::Vector3d centre_M = middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>();
-      seen_.push_back({centre_M, depth_m, cube.counts[i], is_hit, hit_rule_.isHit(cube.thin_counts[i], depth_m)});
+      const std::uint32_t thin = cube.thin_counts[i], points = cube.counts[i];
+      seen_.push_back({centre_M, depth_m, points, hit_rule_.face(points, depth_m), is_hit, 2 * thin >= points});
     }
     if (hits == 0 || (key < 0).any() || (key > kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();

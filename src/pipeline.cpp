@@ -173,7 +173,7 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   if (beam_end_m) verdict.reasons |= kShortRange;
   if (stateOf(verdict.reasons) == State::Blocked) {
-    recent_block_.note(verdict, frameMap(), boxInCamera());
+    recent_block_.note(verdict, beam_end_m, frameMap(), boxInCamera());
   } else if (recent_block_.mayRemain(verdict.stamp_s, frameMap(), boxInCamera())) {
     verdict.reasons |= kRecentlyBlocked;
   }

@@ -21,7 +21,7 @@ struct Board {
 const Board kBroad{-0.4, 0.0, -0.2, 0.2, 2.95};
 const Board kSmall{0.31, 0.39, -0.09, -0.01, 2.95};  // fills one cell
 
-const Board kBeside{0.65, 1.0, -0.2, 0.2, 2.95};  // not in the box
+const Board kBeside{0.71, 1.0, -0.2, 0.2, 2.95};  // not in the box
 
 class RecentBlockTest : public testing::Test {
  protected:
@@ -40,11 +40,11 @@ class RecentBlockTest : public testing::Test {
     return map_;
   }
 
-  void block(const std::vector<Board>& boards, double clear_distance_m = 2.9) {
+  void block(const std::vector<Board>& boards, double clear_distance_m = 2.9, std::optional<double> beam_end_m = {}) {
     Verdict verdict;
     verdict.stamp_s = 10.0;
     verdict.clear_distance_m = clear_distance_m;
-    block_.note(verdict, imageOf(boards), box_);
+    block_.note(verdict, beam_end_m, imageOf(boards), box_);
   }
 
   bool mayRemain(double stamp_s, const std::vector<Board>& boards = {}) {
@@ -74,7 +74,7 @@ TEST_F(RecentBlockTest, WhatIsBroadMayStandAtTheBoxsEdge) {
 }
 
 TEST_F(RecentBlockTest, WhatIsBroadIsSoBesideTheBoxToo) {
-  block({{0.52, 0.9, -0.05, 0.05, 2.95}});  // a few of its cells in the box
+  block({{0.52, 0.9, -0.1, 0.1, 2.95}});  // a few of its cells in the box
   EXPECT_FALSE(mayRemain(10.1));
 }
 
@@ -110,6 +110,42 @@ TEST_F(RecentBlockTest, MistakesBehindTheOutlineOfWhatIsBroadAreNoSmallThings) {
   EXPECT_TRUE(mayRemain(10.1)) << "what is before it is one";
 }
 
+TEST_F(RecentBlockTest, AFewThinCellsAreNoEdgeOfEachOther) {
+  block({{-0.4, 0.0, -0.2, 0.2, 2.95, true}, {0.01, 0.09, -0.09, -0.01, 2.95}});  // thin ones, and a solid one beside
+  EXPECT_TRUE(mayRemain(10.1));
+}
+
+TEST_F(RecentBlockTest, WhatIsThinBehindAnOutlineMayRemain) {
+  block({kBroad, {0.01, 0.12, -0.1, -0.01, 3.35, true}});
+  EXPECT_TRUE(mayRemain(10.1));
+}
+
+TEST_F(RecentBlockTest, WhatIsThinBehindSomethingNearAndFarBesideItMayRemain) {
+  block({{-0.4, 0.0, -0.2, 0.2, 1.25}, {0.4, 0.48, -0.2, 0.2, 3.75, true}}, 1.2);
+  EXPECT_TRUE(mayRemain(10.1));
+}
+
+TEST_F(RecentBlockTest, APostAtTheEdgeBesideWhatStandsInTheMiddleMayRemain) {
+  const Board post{0.52, 0.7, -0.2, 0.2, 3.45}, moved_out{0.61, 0.79, -0.2, 0.2, 3.45};
+  block({kBroad, post});
+  EXPECT_TRUE(mayRemain(10.1, {moved_out}));
+}
+
+TEST_F(RecentBlockTest, WhatOnlyTheLidarMetBehindSomethingSolidMayRemain) {
+  block({kBroad}, 2.9, 3.6);
+  EXPECT_TRUE(mayRemain(10.1));
+}
+
+TEST_F(RecentBlockTest, WhatBeginsWhereTheBoxEndsIsNotInIt) {
+  block({kBroad, {0.31, 0.39, -0.09, -0.01, 4.08}});
+  EXPECT_FALSE(mayRemain(10.1));
+}
+
+TEST_F(RecentBlockTest, WhatFillsLessThanHalfOfItsCellsIsFrail) {
+  block({{-0.4, 0.4, -0.03, 0.0, 2.95}});  // a bar before a background that is hardly matched: not told to be thin
+  EXPECT_TRUE(mayRemain(10.1));
+}
+
 TEST_F(RecentBlockTest, WhatTheImageDoesNotShowMayRemain) {
   block({kBroad}, 1.5);  // the LiDAR's
   EXPECT_TRUE(mayRemain(10.2));
@@ -122,6 +158,9 @@ TEST_F(RecentBlockTest, ForAnotherRigAllMayRemain) {
   RecentBlock after(kHold_s, MapConfig().resolution_m);
   after.takeOver(block_);
   EXPECT_TRUE(after.mayRemain(10.2, imageOf({}), box_));
+  RecentBlock last(kHold_s, MapConfig().resolution_m);
+  last.takeOver(after);
+  EXPECT_TRUE(last.mayRemain(10.2, imageOf({}), box_)) << "two changes of rig, one after the other";
 }
 
 }  // namespace

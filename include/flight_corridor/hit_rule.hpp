@@ -15,12 +15,14 @@ class HitRule {
   HitRule(const MapConfig& config, const StereoCalibration& calibration)
       : min_points_(static_cast<std::uint32_t>(config.min_hit_points)),
         cell_px_m_(static_cast<float>(std::sqrt(calibration.fx_px * calibration.fy_px) * config.resolution_m)),
-        enough_m2_(static_cast<float>(config.hit_fraction) * cell_px_m_ * cell_px_m_) {}
+        hit_fraction_(static_cast<float>(config.hit_fraction)) {}
 
-  /// A full face shows f^2 r^2 / Z^2 points.
   /// @param depth_m of the cell's centre.
-  bool isHit(std::uint32_t points, float depth_m) const {
-    return points >= min_points_ && depth_m > 0.0f && static_cast<float>(points) * depth_m * depth_m >= enough_m2_;
+  bool isHit(std::uint32_t points, float depth_m) const { return isShare(hit_fraction_, points, depth_m); }
+
+  /// What share of a full face's points these are: f^2 r^2 / Z^2.
+  float face(std::uint32_t points, float depth_m) const {
+    return static_cast<float>(points) * depth_m * depth_m / (cell_px_m_ * cell_px_m_);
   }
 
   /// Whether there are as many as an outline shows that crosses the cell: they grow with 1/Z where a face's grow with
@@ -31,18 +33,19 @@ class HitRule {
 
   /// Whether there are too many to be mistakes.
   /// @param points of a cell and the 26 around it, without those that are hit.
-  bool isScattered(std::uint32_t points, float depth_m) const {
-    return points >= min_points_ && depth_m > 0.0f &&
-           static_cast<float>(points) * depth_m * depth_m >= kScattered * cell_px_m_ * cell_px_m_;
-  }
+  bool isScattered(std::uint32_t points, float depth_m) const { return isShare(kScattered, points, depth_m); }
 
  private:
+  bool isShare(float share, std::uint32_t points, float depth_m) const {
+    return points >= min_points_ && depth_m > 0.0f && face(points, depth_m) >= share;
+  }
+
   static constexpr float kOutline_px = 1.5f;  // points across an outline: matching gives two or three
   static constexpr float kScattered = 0.25f;  // of a full face's; mistakes are fewer in nearly all images
 
   std::uint32_t min_points_;
   float cell_px_m_;  // edge of a cell in the image, times its depth
-  float enough_m2_;
+  float hit_fraction_;
 };
 
 }  // namespace flight_corridor

@@ -55,8 +55,9 @@ class OccupancyMap {
     Eigen::Vector3d centre_M;
     float depth_m;
     std::uint32_t points;
+    float face;  // the share of a full face's points that these are
     bool is_hit;
-    bool is_thin;  // what is thin in it is a hit by itself
+    bool is_thin;  // most of its points are
   };
   const std::vector<Seen>& seen() const { return seen_; }
 
