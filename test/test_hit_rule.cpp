@@ -37,6 +37,11 @@ TEST(HitRule, NearTheCameraAnOutlineIsNoHitFarFromItItIs) {
   EXPECT_TRUE(kRule.isHit(firstAtLeast(1.5 * cellPixels(4.0f)), 4.0f));
 }
 
+TEST(HitRule, AFullFaceIsAsLargeAsItsCell) {
+  EXPECT_NEAR(kRule.face(400, 1.0f), 400.0 / std::pow(cellPixels(1.0f), 2), 1e-6);
+  EXPECT_NEAR(kRule.face(firstAtLeast(std::pow(cellPixels(2.5f), 2)), 2.5f), 1.0, 0.01);
+}
+
 TEST(HitRule, AQuarterOfAFaceScatteredOverCellsIsNoMistake) {
   for (const float depth_m : {0.6f, 1.3f, 4.0f}) {
     const std::uint32_t enough = firstAtLeast(0.25 * std::pow(cellPixels(depth_m), 2));

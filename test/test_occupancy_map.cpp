@@ -230,6 +230,20 @@ TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
   EXPECT_EQ(cellAt(map, {1.05, 0.05, 2.45}), Cell::Free);
 }
 
+TEST(OccupancyMap, WhatWasSeenInACellIsToldByItsPoints) {
+  OccupancyMap map(withoutHitBand(), kGeometry);
+  cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
+  thin.colRange(0, 160).setTo(255);
+  map.insert(wallDepth(kGeometry.size(), 2.05), Eigen::Isometry3d::Identity(), true, thin);
+  ASSERT_FALSE(map.seen().empty());
+  std::size_t whole = 0;
+  for (const OccupancyMap::Seen& cell : map.seen()) {
+    EXPECT_EQ(cell.is_thin, cell.centre_M.x() < 0.0) << cell.centre_M.transpose();
+    whole += cell.is_hit && std::abs(cell.face - 1.0f) < 0.3f;
+  }
+  EXPECT_GT(whole, map.seen().size() / 2);
+}
+
 TEST(OccupancyMap, ClearForgetsEverything) {
   OccupancyMap map(MapConfig(), kGeometry);
   map.insert(wallDepth(kGeometry.size(), 3.0), Eigen::Isometry3d::Identity());

@@ -177,18 +177,35 @@ TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud)
   EXPECT_TRUE(followed);
 }
 
-/// A wall at 7 m, and upright boards at 3 m before it: the first column of each and how many.
-StereoFrame boardsFrame(const std::vector<std::pair<int, int>>& boards, double stamp_s) {
-  constexpr int kBoard_px = 7;
-  const int shift_px = kBoard_px + static_cast<int>(kGeometry.principalPointDifference());
+/// A wall at 7 m, and upright boards before it, at 3 m: the first column of each and how many.
+StereoFrame boardsFrame(const std::vector<std::pair<int, int>>& boards, double stamp_s, int board_px = 7) {
+  const int shift_px = board_px + static_cast<int>(kGeometry.principalPointDifference());
   StereoFrame frame = wallFrame(kGeometry, 3, stamp_s);
-  const StereoFrame near = wallFrame(kGeometry, kBoard_px, stamp_s + 0.01);
+  const StereoFrame near = wallFrame(kGeometry, board_px, stamp_s + 0.01);
   for (const auto& [left, columns] : boards) {
     const int right = left - shift_px;
     near.left.colRange(left, left + columns).copyTo(frame.left.colRange(left, left + columns));
     near.right.colRange(right, right + columns).copyTo(frame.right.colRange(right, right + columns));
   }
   return frame;
+}
+
+TEST(Pipeline, ALidarThatMetAnEdgeThatIsShownBesideTheBeamLeavesTheCorridorFree) {
+  constexpr int kBoard_px = 5;  // 4.2 m, behind the corridor
+  for (const bool is_shown : {true, false}) {
+    Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+    Report report;
+    for (int i = 0; i < 60; ++i) {
+      const double stamp_s = 1.0 + 0.01 * i;
+      pipeline.addRange(reading(stamp_s, kGeometry.depth(kBoard_px) + 0.001 * (i % 2)));
+      if (i % 10 != 9) continue;
+      report = pipeline.process(is_shown ? boardsFrame({{110, 46}, {163, 60}}, stamp_s, kBoard_px)
+                                         : wallFrame(kGeometry, 3, stamp_s));
+    }
+    ASSERT_TRUE(report.verdict.reasons & kDisagreement) << is_shown;
+    EXPECT_EQ(report.verdict.state, is_shown ? State::Free : State::Unknown);
+    EXPECT_EQ(report.clears, is_shown);
+  }
 }
 
 /// When boards that blocked are not there 0.1 s later.

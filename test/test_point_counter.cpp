@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdlib>
 #include <map>
+#include <opencv2/core.hpp>
 
 #include "flight_corridor/point_counter.hpp"
 #include "support/calibrations.hpp"
@@ -54,6 +55,26 @@ TEST(PointCounter, ThinThingsAreTakenToBeNearer) {
     }
   }
   EXPECT_EQ(before_4_m, static_cast<std::uint32_t>(thin.cols));
+}
+
+TEST(PointCounter, ThinPointsAreCountedInTheSameCellsAndAmongTheirPointsToo) {
+  MapConfig config = withoutHitBand();
+  config.thin_hit_band_px = 0.0;
+  PointCounter counter(config, kGeometry), plain(config, kGeometry);
+  cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
+  for (int u = 0; u < thin.cols; u += 3) thin.col(u).setTo(255);
+  const cv::Mat depth_m = test_support::wallDepth(kGeometry.size(), 4.05);
+  counter.count(depth_m, thin, Eigen::Isometry3d::Identity());
+  plain.count(depth_m, {}, Eigen::Isometry3d::Identity());
+  std::uint32_t thin_points = 0;
+  ASSERT_EQ(counter.cubes().size(), plain.cubes().size());
+  for (std::size_t i = 0; i < counter.cubes().size(); ++i) {
+    EXPECT_EQ(counter.cubes()[i].key, plain.cubes()[i].key);
+    EXPECT_EQ(counter.cubes()[i].counts, plain.cubes()[i].counts);
+    for (const std::uint32_t count : counter.cubes()[i].thin_counts) thin_points += count;
+    for (const std::uint32_t count : plain.cubes()[i].thin_counts) EXPECT_EQ(count, 0u);
+  }
+  EXPECT_EQ(thin_points, static_cast<std::uint32_t>(cv::countNonZero(thin)));
 }
 
 TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {

@@ -119,6 +119,23 @@ TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContrad
   }
 }
 
+TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
+  const double edge_px = kGeometry.disparity(4.7);
+  for (const bool has_learnt : {false, true}) {
+    RangeTracker tracker = trackerWithLidar();
+    for (int i = 0; i < 100; ++i) {  // a rig 10 % too far, or a faultless one
+      tracker.addRange(reading(0.01 * i, 6.3 + 0.001 * (i % 2)));
+      const double told_m = has_learnt ? 7.0 : 6.3;
+      if (i % 5 == 4) tracker.update(0.01 * i, showing(kGeometry.disparity(told_m)));
+    }
+    Disparity disparity = showing(3.0);
+    disparity.matched_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far
+    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity);
+    ASSERT_TRUE(tracked.range_reasons & kDisagreement);
+    EXPECT_EQ(tracked.lidar_is_nearer, !has_learnt);
+  }
+}
+
 TEST(RangeTracker, AFewMatchesBesideTheBeamShowNothing) {
   RangeTracker tracker = trackerWithLidar();
   ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
