@@ -48,7 +48,8 @@ void BM_Corridor(benchmark::State& state) {
   const Corridor corridor((CorridorConfig()));
   for (auto _ : state) {
     const ConvexRegion observable_M = T_M_C.inverse().matrix().transpose() * estimator.observable();
-    benchmark::DoNotOptimize(corridor.inspect(map, corridor.box(T_M_C * opticalFromForward()), observable_M));
+    benchmark::DoNotOptimize(
+        corridor.inspect(map, corridor.box(T_M_C * opticalFromForward()), T_M_C.translation(), observable_M));
   }
   state.SetLabel(kScenes[state.range(0)]);
 }

@@ -2,6 +2,7 @@
 
 #include <pcl/filters/voxel_grid.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace flight_corridor {

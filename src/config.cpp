@@ -1,5 +1,7 @@
 #include "flight_corridor/config.hpp"
 
+#include <algorithm>
+
 namespace flight_corridor {
 
 namespace {
@@ -18,8 +20,11 @@ Violations check(const Config& config) {
   append(broken, check(config.map));
   append(broken, check(config.corridor));
   Rules rules("map");
-  rules.require(config.map.max_range_m >= config.corridor.length_m + config.corridor.margin_m, "max_range_m",
-                "no less than corridor/length_m + corridor/margin_m", config.map.max_range_m);
+  const double end_m =
+      std::max(0.0, config.corridor.offset_m.x()) + config.corridor.length_m + config.corridor.margin_m;
+  rules.require(config.map.max_range_m >= end_m, "max_range_m",
+                "no less than corridor/length_m + corridor/margin_m + what corridor/offset_m adds ahead",
+                config.map.max_range_m);
   append(broken, rules.broken());
   return broken;
 }

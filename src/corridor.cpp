@@ -207,9 +207,10 @@ Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
   return box;
 }
 
-CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M,
-                                    const CellBegin& begin) const {
-  return inspectBox(tree, box, intersection(observable_M, beyond(box, config_.blind_m)), begin);
+CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
+                                    const ConvexRegion& observable_M, const CellBegin& begin) const {
+  const double camera_m = (box.T_M_F.inverse() * camera_M).x();  // along the box's axis
+  return inspectBox(tree, box, intersection(observable_M, beyond(box, camera_m + config_.blind_m)), begin);
 }
 
 }  // namespace flight_corridor

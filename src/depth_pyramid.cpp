@@ -9,14 +9,14 @@
 namespace flight_corridor {
 
 void DepthPyramid::build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px,
-                         double min_ray_fraction) {
+                         double min_tile_fraction) {
   columns_ = (depth_m.cols + kTile_px - 1) / kTile_px;
   rows_ = (depth_m.rows + kTile_px - 1) / kTile_px;
   const std::size_t tiles = static_cast<std::size_t>(columns_) * rows_;
   nearest_m_.resize(tiles * kLevels * kLevels);
   rays_.resize(tiles);
   unusable_sum_.assign(static_cast<std::size_t>(columns_ + 1) * (rows_ + 1), 0);
-  buildTiles(depth_m, min_ray_fraction);
+  buildTiles(depth_m, min_tile_fraction);
   // The band keeps the order of depths: it is enough to shift each tile's nearest. Tiles without a ray stay at
   // infinity.
   for (std::size_t i = 0; i < tiles; ++i) {
@@ -36,13 +36,13 @@ void DepthPyramid::buildFarthest(int window) {
   joinBlocks(farthest_m, [](float a, float b) { return std::max(a, b); });
 }
 
-void DepthPyramid::buildTiles(const cv::Mat& depth_m, double min_ray_fraction) {
+void DepthPyramid::buildTiles(const cv::Mat& depth_m, double min_tile_fraction) {
   for (int first_row = 0; first_row < depth_m.rows; first_row += kTile_px) {
     column_near_m_.assign(depth_m.cols, std::numeric_limits<float>::infinity());
     column_rays_.assign(depth_m.cols, 0);
     const int height_px = std::min(kTile_px, depth_m.rows - first_row);
     for (int v = first_row; v < first_row + height_px; ++v) addRow(depth_m.ptr<float>(v));
-    endTileRow(first_row / kTile_px, height_px, depth_m.cols, min_ray_fraction);
+    endTileRow(first_row / kTile_px, height_px, depth_m.cols, min_tile_fraction);
   }
 }
 
@@ -54,7 +54,7 @@ void DepthPyramid::addRow(const float* depth_m) {
   for (int u = 0; u < width; ++u) rays[u] += depth_m[u] == depth_m[u];
 }
 
-void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction) {
+void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double min_tile_fraction) {
   int in_row = 0;
   for (int column = 0; column < columns_; ++column) {
     const int first = column * kTile_px, last = std::min(first + kTile_px, width_px);
@@ -63,7 +63,7 @@ void DepthPyramid::endTileRow(int tile_row, int height_px, int width_px, double 
     int rays = 0;
     for (int u = first; u < last; ++u) rays += column_rays_[u];
     rays_[tile] = rays;
-    const bool is_usable = rays >= min_ray_fraction * (last - first) * height_px;
+    const bool is_usable = rays >= min_tile_fraction * (last - first) * height_px;
     const std::size_t corner = static_cast<std::size_t>(tile_row + 1) * (columns_ + 1) + column + 1;
     in_row += !is_usable;
     unusable_sum_[corner] = unusable_sum_[corner - columns_ - 1] + in_row;

@@ -199,13 +199,13 @@ ConvexRegion DisparityEstimator::observable() const {
 /// Fixed point to pixels; what is not kept, not matched or not on the right image: NaN.
 void DisparityEstimator::toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv::Mat& disparity_px) const {
   disparity_px.create(fixed.size(), CV_32FC1);
-  const int unmatched = min_disparity_px_ * kFixedPoint;  // the matcher marks with one below
+  const int smallest = min_disparity_px_ * kFixedPoint;  // the matcher marks with one below
   for (int v = 0; v < fixed.rows; ++v) {
     const auto* in = fixed.ptr<std::int16_t>(v);
     const auto* kept = keep.ptr<std::uint8_t>(v);
     auto* out = disparity_px.ptr<float>(v);
     for (int u = 0; u < fixed.cols; ++u) {
-      const bool valid = kept[u] && in[u] >= unmatched && in[u] <= u * kFixedPoint;
+      const bool valid = kept[u] && in[u] >= smallest && in[u] <= u * kFixedPoint;
       out[u] = valid ? static_cast<float>(in[u]) / kFixedPoint : std::numeric_limits<float>::quiet_NaN();
     }
   }

@@ -1,7 +1,6 @@
 #include "flight_corridor/disparity_refiner.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/core/utility.hpp>
 
 #include "flight_corridor/wide_registers.hpp"

@@ -151,6 +151,7 @@ bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey&
       putAwayChildren(child);
       childrenOf(node)[i] = nullptr;
       --tree_size;
+      size_changed = true;
     }
   }
   putRight(node);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 
 namespace flight_corridor {

@@ -13,7 +13,6 @@ constexpr int kLastKey = 65535;
 constexpr unsigned kBlockLevels = 4;  // blocks of 16 x 16 x 16 cells are forgotten together
 constexpr unsigned kBlockCells = 1u << kBlockLevels;
 constexpr unsigned kAllChildren = 0xFF;
-constexpr std::uint64_t kNoBlock = ~std::uint64_t{0};
 
 std::uint64_t packed(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x | y << 16 | z << 32; }
 std::uint64_t packed(const octomap::OcTreeKey& key) { return packed(key[0], key[1], key[2]); }
@@ -106,7 +105,7 @@ bool OccupancyMap::showsOutline(const Box& box_M) const {
   });
 }
 
-void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit) {
+void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M) {
   octomap::OcTreeKey end;
   if (!origin_M.allFinite() || !end_M.allFinite() || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
   beam_.reset();
@@ -116,7 +115,7 @@ void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vect
     addToChildren(cell, parents_depth, 1u << octomap::computeChildIdx(cell, 0), log_odds);
   };
   for (const octomap::OcTreeKey& cell : beam_) add(cell, config_.log_odds_miss);
-  if (hit) add(end, config_.log_odds_hit);
+  add(end, config_.log_odds_hit);
   tree_.settle();
 }
 
@@ -165,6 +164,7 @@ void OccupancyMap::clear() {
   tree_.clear();
   seen_.clear();
   seen_s_.clear();
+  last_block_ = kNoBlock;
 }
 
 void OccupancyMap::clear(const Eigen::AlignedBox3d& box_M) {

@@ -1,5 +1,6 @@
 #include "flight_corridor/overlay.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

@@ -123,8 +123,8 @@ void Pipeline::trackRange() {
 }
 
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and
-/// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing: what the map
-/// calls free is believed by others, and later.
+/// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing (the beam clears
+/// its own cells): what the map calls free is believed by others, and later.
 bool Pipeline::isTrusted() const { return image_faults_ == 0 && doubts_ == 0 && !report_.lidar_is_nearer; }
 
 void Pipeline::updateMap() {
@@ -138,7 +138,7 @@ void Pipeline::updateMap() {
   map_.insert(depth_.filled_m, T_M_C_, report_.clears, disparity_.thin);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
-    map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m), true);
+    map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));
   }
 }
 
@@ -149,9 +149,9 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
     SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, disparity_.thin, report_.scale_sigma, T_M_C, box);
-    return corridor_.inspect(map.tree(), box, observable, [&](const Eigen::Vector3d& cell_centre, double near_m) {
-      return surface.begin(cell_centre, near_m);
-    });
+    return corridor_.inspect(
+        map.tree(), box, T_M_C.translation(), observable,
+        [&](const Eigen::Vector3d& cell_centre, double near_m) { return surface.begin(cell_centre, near_m); });
   };
   CorridorOccupancy occupancy = inspect(map_, T_M_C_, box(), observable_M);
   if (frame_map_) {

@@ -85,7 +85,7 @@ bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
   const double expected_px = geometry_.disparity(beam_.depth(range_m));
   const std::vector<float>& matches_px = beam_.matchesBeside(matched_px, range_m, lidar_.beamWidth());
   const auto shown = std::count_if(matches_px.begin(), matches_px.end(), [&](float d) {
-    return std::abs(scale_.correct(d) - expected_px) <= kSameSurface_px;
+    return std::abs(scale_.correct(d) - expected_px) <= BeamFootprint::kSameSurface_px;
   });
   return shown > 0 && static_cast<double>(shown) >= kShown * static_cast<double>(matches_px.size());
 }

@@ -5,6 +5,7 @@
 #include <std_msgs/Bool.h>
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_ros/static_transform_broadcaster.h>
+#include <visualization_msgs/Marker.h>
 
 #include <cmath>
 #include <functional>
@@ -38,6 +39,9 @@ class NodeInputs : public testing::Test {
                                                [this](const CorridorState::ConstPtr& message) { newest_ = *message; });
     free_ = node_.subscribe<std_msgs::Bool>(
         name + "/free", 10, [this](const std_msgs::Bool::ConstPtr& message) { says_free_ = message->data; });
+    markers_ = node_.subscribe<visualization_msgs::Marker>(
+        name + "/corridor_marker", 10,
+        [this](const visualization_msgs::Marker::ConstPtr& message) { marker_action_ = message->action; });
   }
 
   /// Whether a verdict that meets the condition comes while the inputs are sent; `age_s` old ones.
@@ -83,6 +87,7 @@ class NodeInputs : public testing::Test {
   ros::NodeHandle node_;
   std::optional<CorridorState> newest_;
   std::optional<bool> says_free_;
+  std::optional<int> marker_action_;
 
  private:
   static tf2_ros::StaticTransformBroadcaster& broadcaster() {
@@ -91,7 +96,7 @@ class NodeInputs : public testing::Test {
   }
 
   flight_corridor_ros::test_support::RigTopics rig_;
-  ros::Subscriber verdicts_, free_;
+  ros::Subscriber verdicts_, free_, markers_;
 };
 
 class MappingNodeInputs : public NodeInputs {
@@ -163,9 +168,16 @@ TEST_F(NodeInputs, ABlankViewIsNoDisparity) {
   EXPECT_TRUE(refuses(inputs, CorridorState::NO_DISPARITY));
 }
 
-TEST_F(NodeInputs, OldPairsAreNoData) {
+TEST_F(NodeInputs, OldPairsAreNoDataAndShowNoBox) {
   Inputs inputs;
-  EXPECT_TRUE(refuses(inputs, CorridorState::NO_DATA, 5.0));
+  ASSERT_TRUE(
+      answers(inputs, [this](const CorridorState&) { return marker_action_ == visualization_msgs::Marker::ADD; }));
+  EXPECT_TRUE(answers(
+      inputs,
+      [this](const CorridorState& verdict) {
+        return verdict.reasons == CorridorState::NO_DATA && marker_action_ == visualization_msgs::Marker::DELETE;
+      },
+      5.0));
 }
 
 TEST_F(NodeInputs, PairsFromTheFutureAreNoData) {

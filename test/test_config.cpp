@@ -31,6 +31,10 @@ TEST(Config, AMapThatEndsBeforeTheCorridorIsRefused) {
   config.map.max_range_m = 3.0;
   ASSERT_EQ(check(config).size(), 1u);
   EXPECT_NE(check(config).front().find("map/max_range_m"), std::string::npos);
+  config.map.max_range_m = config.corridor.length_m;
+  EXPECT_TRUE(check(config).empty());
+  config.corridor.offset_m.x() = 0.5;
+  EXPECT_EQ(check(config).size(), 1u) << "the box ends 0.5 m farther";
 }
 
 }  // namespace

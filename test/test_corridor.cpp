@@ -13,6 +13,7 @@ using test_support::kResolution_m;
 using test_support::randomTree;
 
 const ConvexRegion kEverywhere;
+const Eigen::Vector3d kCamera(0, 0, 0);
 
 TEST(Corridor, CellsCentredOnTheBoxesFacesCount) {
   octomap::OcTree tree(kResolution_m);
@@ -38,8 +39,8 @@ TEST(Corridor, ABoxThatReachesOutOfTheOctreeIsUnknown) {
 
 TEST(Corridor, AnEmptyMapIsUnknownAltogether) {
   const Corridor corridor((CorridorConfig()));
-  const CorridorOccupancy occupancy =
-      corridor.inspect(octomap::OcTree(kResolution_m), corridor.box(Eigen::Isometry3d::Identity()), kEverywhere);
+  const CorridorOccupancy occupancy = corridor.inspect(
+      octomap::OcTree(kResolution_m), corridor.box(Eigen::Isometry3d::Identity()), kCamera, kEverywhere);
   EXPECT_EQ(occupancy.unknown_fraction, 1.0);
   EXPECT_EQ(occupancy.clear_distance_m, kInfinity);
 }
@@ -57,8 +58,9 @@ TEST(Corridor, MovingMapAndBoxTogetherKeepsTheAnswer) {
   }
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
   shift.translation().x() = 7 * kResolution_m;
-  const CorridorOccupancy here = corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kEverywhere);
-  const CorridorOccupancy there = corridor.inspect(moved, corridor.box(shift), kEverywhere);
+  const CorridorOccupancy here =
+      corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kCamera, kEverywhere);
+  const CorridorOccupancy there = corridor.inspect(moved, corridor.box(shift), shift.translation(), kEverywhere);
   EXPECT_NEAR(here.clear_distance_m, there.clear_distance_m, 1e-9);
 }
 
@@ -71,7 +73,7 @@ TEST(Corridor, AddingAnObstacleNeverLengthensTheClearDistance) {
   for (int i = 0; i < 200; ++i) {
     tree.setNodeValue(octomap::point3d(ahead(random), side(random), side(random)), 1.0f);
     const double after =
-        corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kEverywhere).clear_distance_m;
+        corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kCamera, kEverywhere).clear_distance_m;
     EXPECT_LE(after, before);
     before = after;
   }
@@ -87,7 +89,7 @@ TEST(Corridor, WideningTheBoxNeverImprovesTheAnswer) {
     config.margin_m = margin;
     const Corridor corridor(config);
     const double clear =
-        corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kEverywhere).clear_distance_m;
+        corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kCamera, kEverywhere).clear_distance_m;
     EXPECT_LE(clear, before) << "margin " << margin;
     before = clear;
   }
@@ -98,7 +100,7 @@ TEST(Corridor, CellsBesideTheBoxBlockItCellsBehindItsEndDoNot) {
   const auto clear = [&](float x, float y) {
     octomap::OcTree tree(kResolution_m);
     tree.setNodeValue(octomap::point3d(x, y, 0.05f), 1.0f);
-    return corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kEverywhere).clear_distance_m;
+    return corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kCamera, kEverywhere).clear_distance_m;
   };
   EXPECT_NEAR(clear(2.05f, 0.65f), 2.0, 1e-6);  // 0.6 to 0.7 m to the left: touches
   EXPECT_EQ(clear(2.05f, 0.75f), kInfinity);
@@ -136,8 +138,10 @@ TEST(Corridor, CellsThatNobodyCanObserveAreNotMissed) {
   }
   const ConvexRegion beyond_two = Eigen::Vector4d(1.0, 0.0, 0.0, -2.0);
   const Box box = corridor.box(Eigen::Isometry3d::Identity());
-  EXPECT_EQ(corridor.inspect(tree, box, beyond_two).unknown_fraction, 0.0);
-  EXPECT_GT(corridor.inspect(tree, box, kEverywhere).unknown_fraction, 0.4);
+  EXPECT_EQ(corridor.inspect(tree, box, kCamera, beyond_two).unknown_fraction, 0.0);
+  EXPECT_GT(corridor.inspect(tree, box, kCamera, kEverywhere).unknown_fraction, 0.4);
+  const Eigen::Vector3d before_two_C = Eigen::Vector3d(2.0 - CorridorConfig().blind_m, 0.0, 0.0);
+  EXPECT_EQ(corridor.inspect(tree, box, before_two_C, kEverywhere).unknown_fraction, 0.0);  // too near to the camera
 }
 
 }  // namespace

@@ -118,8 +118,8 @@ TEST(CorridorOracle, AgreesWithALoopOverAllCells) {
     const octomap::OcTree tree = randomTree(random, trial % 2 ? 400 : 40000);
     const Box box = corridor.box(randomPose(random, 1.0));
     const ConvexRegion observable = randomRegion(random, trial % 4);
-    expectEqual(corridor.inspect(tree, box, observable), bruteForce(tree, box, config.blind_m, observable),
-                "trial " + std::to_string(trial));
+    expectEqual(corridor.inspect(tree, box, box.T_M_F.translation(), observable),
+                bruteForce(tree, box, config.blind_m, observable), "trial " + std::to_string(trial));
   }
 }
 

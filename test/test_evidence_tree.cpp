@@ -138,6 +138,20 @@ TEST_F(AnEvidenceTree, ForgettingAllOfItLeavesNothing) {
   EXPECT_EQ(tree_.size(), 17u);
 }
 
+TEST_F(AnEvidenceTree, ForgettingACellMovesTheTreesBounds) {
+  add(key(0, 3, 3), kLeaf, 2.0f);
+  add(key(9, 3, 3), kLeaf, 2.0f);
+  tree_.settle();
+  const auto highest = [this] {
+    double x, y, z;
+    tree_.getMetricMax(x, y, z);
+    return x;
+  };
+  const double before = highest();
+  tree_.forget(key(9, 3, 3), key(9, 3, 3));
+  EXPECT_NEAR(highest(), before - 9 * tree_.getResolution(), 1e-6);
+}
+
 TEST_F(AnEvidenceTree, ATreeBuiltAnewIsMadeOfTheOldNodes) {
   const auto nodesOfNewTree = [&] {
     tree_.clear();

@@ -87,6 +87,13 @@ TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {
   EXPECT_EQ(inbox.newestRange()->header.stamp, ros::Time(2.0));
 }
 
+TEST(Inbox, ARangeFromTheFutureHoldsUpNoOther) {
+  Inbox inbox{RosConfig()};
+  for (const double stamp_s : {1.0, 1.8, 1.1}) inbox.put(rangeAt(stamp_s));
+  EXPECT_EQ(inbox.takeRanges(ros::Time(1.2)).size(), 2u);
+  EXPECT_EQ(inbox.takeRanges(ros::Time(1.8)).size(), 1u);
+}
+
 TEST(Inbox, WithoutATakerTheNewestRangesAreKept) {
   RosConfig config;
   config.range_queue = 2;

@@ -165,11 +165,11 @@ TEST(OccupancyMap, InnerNodesTellOfTheirChildren) {
 
 TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
   OccupancyMap map(MapConfig(), kGeometry);
-  map.insertBeam({0.05, 0.05, 0.05}, {0.05, 0.05, 3.05}, true);
+  map.insertBeam({0.05, 0.05, 0.05}, {0.05, 0.05, 3.05});
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.55}), Cell::Free);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.25}), Cell::Unknown);
-  map.insertBeam({0, 0, 0}, {kNaN, 0, 1}, true);  // no harm
+  map.insertBeam({0, 0, 0}, {kNaN, 0, 1});  // no harm
 }
 
 MapConfig inFixedFrame() {
@@ -205,6 +205,18 @@ TEST(OccupancyMap, WhatIsNotSeenForLongIsForgotten) {
   map.keepAround({0, 0, 0}, MapConfig().forget_s + 1.0);
   EXPECT_EQ(cellAt(map, left), Cell::Unknown);
   EXPECT_EQ(cellAt(map, right), Cell::Occupied);
+}
+
+TEST(OccupancyMap, WhatIsSeenAfterClearingIsForgottenToo) {
+  OccupancyMap map(inFixedFrame(), kGeometry);
+  map.keepAround({0, 0, 0}, 0.0);
+  for (int i = 0; i < 2; ++i) {
+    map.clear();
+    map.insertBeam({0.05, 0.05, 0.95}, {0.05, 0.05, 1.05});  // in one block
+  }
+  EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.05}), Cell::Occupied);
+  map.keepAround({0, 0, 0}, MapConfig().forget_s + 1.0);
+  EXPECT_EQ(map.tree().size(), 0u);
 }
 
 TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {

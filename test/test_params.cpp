@@ -113,6 +113,7 @@ TEST(Params, ListsEveryUnknownKeyWrongTypeAndBrokenRuleAtOnce) {
                                                 {"scale/enabled", std::string("maybe")},
                                                 {"corridor/offset_m", std::vector<double>{1.0, 2.0}},
                                                 {"ros/watchdog_s", 0},
+                                                {"ros/tf_timeout_s", flight_corridor::kInfinity},
                                                 {"map/frame_id", std::monostate()}});
   EXPECT_TRUE(contains(complaint, "corridor/wdith_m: unknown key (1.2)")) << complaint;
   EXPECT_TRUE(contains(complaint, "stereo/num_disparities_px: expects an integer (64")) << complaint;
@@ -121,6 +122,7 @@ TEST(Params, ListsEveryUnknownKeyWrongTypeAndBrokenRuleAtOnce) {
   EXPECT_TRUE(contains(complaint, "scale/enabled: expects true or false (\"maybe\")")) << complaint;
   EXPECT_TRUE(contains(complaint, "corridor/offset_m: expects a list of three numbers (a list of 2 numbers)"));
   EXPECT_TRUE(contains(complaint, "ros/watchdog_s: positive (0)")) << complaint;
+  EXPECT_TRUE(contains(complaint, "ros/tf_timeout_s: 0 to 10 (inf)")) << complaint;
   EXPECT_TRUE(contains(complaint, "map/frame_id: expects a text")) << complaint;
 }
 

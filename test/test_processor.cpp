@@ -79,6 +79,12 @@ TEST_F(ProcessorTest, RangesOfOtherFramesAreNotTheLidars) {
   }
 }
 
+TEST_F(ProcessorTest, ALidarThatTfDoesNotKnowGivesNoFusedRangeAFrame) {
+  putRange("range_down", kFar_m, kStart);
+  EXPECT_TRUE(see(kFar_m, kStart, 1).reasons & kNoLidar);
+  EXPECT_FALSE(processor.lidar());
+}
+
 TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {
   see(kFar_m, kStart, 1);
   for (int i = 1; i < 4; ++i) {

@@ -95,6 +95,8 @@ TEST_F(FolderTest, WholeNumbersCountByTheirValueAndOtherNamesAsTheyAre) {
   EXPECT_EQ(pairs[0].value.left, folder.path("left/2.png"));
   pairs = rename("10.png", "2.png", "12.25.png", "12.3.png");  // stamps
   EXPECT_EQ(pairs[0].value.left, folder.path("left/12.25.png"));
+  pairs = rename("12.25.png", "12.3.png", "1a.png", "2.png");
+  EXPECT_EQ(pairs[0].value.left, folder.path("left/2.png")) << "numbers before names";
 }
 
 TEST_F(FolderTest, NeedsOnlyImagesAndCalibration) {

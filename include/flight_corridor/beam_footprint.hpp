@@ -18,8 +18,6 @@ struct LidarConfig {
 };
 Violations check(const LidarConfig& config);
 
-constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
-
 /// A patch of the left image that the beam covers at one range.
 struct Footprint {
   Eigen::Vector2d centre_px;
@@ -38,6 +36,8 @@ struct FootprintReading {
 /// Where the LiDAR's beam lies in the left image. LiDAR and camera are not in one place, so the pixel moves with range.
 class BeamFootprint {
  public:
+  static constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
+
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
   /// @throws std::invalid_argument with every broken rule, or when the beam does not point to where the camera looks.
   BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);

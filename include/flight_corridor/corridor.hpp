@@ -18,7 +18,7 @@ struct CorridorConfig {
   double length_m = 4.0;                 ///< D_min: nearer obstacles block.
   Eigen::Vector3d offset_m{0, 0, 0};     ///< Shift of the box's start: forward, left, up.
   double margin_m = 0.0;                 ///< Added on every side and at the end.
-  double blind_m = 0.4;                  ///< Nearer than this nothing needs to have been observed.
+  double blind_m = 0.4;                  ///< Nearer to the camera nothing needs to have been observed.
   double max_unknown_fraction = 0.1;     ///< More unobserved volume than this: UNKNOWN.
   double max_unmatched_fraction = 0.05;  ///< More texture in view that has no match, but would fit in: UNKNOWN.
   double hold_s = 0.25;    ///< After BLOCKED nothing is FREE for so long, but what was broad and is seen to have gone.
@@ -56,10 +56,10 @@ class Corridor {
   /// @param T_M_F frame that the corridor belongs to (x forward) in M.
   Box box(const Eigen::Isometry3d& T_M_F) const;
 
-  /// inspectBox() where only what lies beyond blind_m must be known.
+  /// inspectBox() where only what lies farther along the box's axis than blind_m before the camera must be known.
   /// @param observable_M what must have been seen for the box to be free.
-  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const ConvexRegion& observable_M,
-                            const CellBegin& begin = nullptr) const;
+  CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
+                            const ConvexRegion& observable_M, const CellBegin& begin = nullptr) const;
 
  private:
   CorridorConfig config_;

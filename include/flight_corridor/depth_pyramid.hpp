@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -32,8 +31,8 @@ class DepthPyramid {
 
   /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
   /// @param free_band_px a ray is free up to where its surface's disparity would be larger by this.
-  /// @param min_ray_fraction share of a tile's pixels that must have a ray.
-  void build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px, double min_ray_fraction);
+  /// @param min_tile_fraction share of a tile's pixels that must have a ray.
+  void build(const cv::Mat& depth_m, const StereoGeometry& geometry, double free_band_px, double min_tile_fraction);
 
   /// The least free ray of a rectangle; +inf when there is none.
   float nearest(const Tiles& tiles) const {
@@ -56,10 +55,10 @@ class DepthPyramid {
   void unusable(const EightTiles& tiles, int (&unusable)[8]) const;
 
  private:
-  void buildTiles(const cv::Mat& depth_m, double min_ray_fraction);
+  void buildTiles(const cv::Mat& depth_m, double min_tile_fraction);
   void addRow(const float* depth_m);
   void buildFarthest(int window);
-  void endTileRow(int tile_row, int height_px, int width_px, double min_ray_fraction);
+  void endTileRow(int tile_row, int height_px, int width_px, double min_tile_fraction);
   template <class Better>
   void joinBlocks(std::vector<float>& values, const Better& better);
 

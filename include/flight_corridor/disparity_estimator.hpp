@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/ximgproc/disparity_filter.hpp>
 #include <string>

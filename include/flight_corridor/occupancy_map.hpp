@@ -34,8 +34,7 @@ class OccupancyMap {
               const cv::Mat& thin = cv::Mat());
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
-  /// @param hit false: nothing was met up to the end.
-  void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M, bool hit);
+  void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M);
 
   /// A window that moves with the camera: forgets what lies more than max_range_m beside centre_M on any axis and
   /// blocks of 16 x 16 x 16 cells without evidence for forget_s. Evidence added from now on is of stamp_s. For maps in
@@ -79,7 +78,8 @@ class OccupancyMap {
   std::vector<Seen> seen_;
   octomap::KeyRay beam_;
   std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
-  std::uint64_t last_block_ = 0;
+  static constexpr std::uint64_t kNoBlock = ~std::uint64_t{0};
+  std::uint64_t last_block_ = kNoBlock;  // noted last in seen_s_
   double now_s_ = 0.0;
 };
 

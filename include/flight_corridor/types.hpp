@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/mat.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,13 +70,13 @@ const char* toString(State state);
 
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
-  kOccupiedCell = 1u << 0,  ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,    ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
-  kUnobserved = 1u << 2,    ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
-  kNoData = 1u << 3,        ///< UNKNOWN: no stereo pair, or the newest one is too old.
-  kNoPose = 1u << 4,    ///< UNKNOWN: map/frame_id or corridor/frame_id needs a pose and tf gave none, or no rigid one.
-  kBadImage = 1u << 5,  ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo.
+  kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
+  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
+  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
+  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
+  kNoPose = 1u << 4,          ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
+  kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
+  kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or impossible mounting.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
                               ///< saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the

@@ -122,19 +122,18 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& ima
 }
 
 stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
-                                             const flight_corridor::StereoGeometry& geometry, int num_disparities_px) {
-  const double shift_px = -geometry.principalPointDifference();
+                                             const flight_corridor::StereoGeometry& geometry, double nearest_m) {
   stereo_msgs::DisparityImage message;
   message.header = header;
   message.f = static_cast<float>(geometry.calibration().fx_px);
   message.T = static_cast<float>(geometry.calibration().baseline_m);
-  message.min_disparity = static_cast<float>(std::max(0.0, shift_px));
-  message.max_disparity = static_cast<float>(num_disparities_px - 1 + shift_px);
+  message.min_disparity = 0.0f;  // the principal points' difference is taken out
+  message.max_disparity = static_cast<float>(geometry.disparity(nearest_m));
   message.delta_d = kSubpixelStep;
   message.valid_window.width = static_cast<std::uint32_t>(disparity_px.cols);
   message.valid_window.height = static_cast<std::uint32_t>(disparity_px.rows);
   cv::Mat marked = disparity_px.clone();
-  cv::patchNaNs(marked, message.min_disparity - 1.0);
+  cv::patchNaNs(marked, -1.0);
   message.image = *toImage(header, marked, sensor_msgs::image_encodings::TYPE_32FC1);
   return message;
 }

@@ -54,7 +54,7 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& ima
 /// Disparity with Z = f*T/d; no match: below min_disparity, as the message's definition wants.
 /// @param disparity_px CV_32FC1, NaN = no match.
 stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
-                                             const flight_corridor::StereoGeometry& geometry, int num_disparities_px);
+                                             const flight_corridor::StereoGeometry& geometry, double nearest_m);
 
 sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
 

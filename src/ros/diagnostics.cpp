@@ -1,5 +1,7 @@
 #include "ros/diagnostics.hpp"
 
+#include "ros/processor.hpp"
+
 namespace flight_corridor_ros {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -20,6 +22,7 @@ void Diagnostics::record(const flight_corridor::Report& report, const flight_cor
                          double age_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++verdicts_;
+  refused_ += isRefusal(report);
   report_ = report;
   counters_ = counters;
   age_s_ = age_s;
@@ -45,7 +48,7 @@ void Diagnostics::describe(DiagnosticStatusWrapper& status) {
   status.add("fused range [m]", report_.range.range_m);
   status.add("scale [-]", report_.scale);
   status.add("scale sigma [-]", report_.scale_sigma);
-  status.add("pairs refused", counters_.frames_refused);
+  status.add("pairs refused", refused_);
   status.add("LiDAR readings", counters_.lidar_readings);
   status.add("LiDAR readings invalid", counters_.lidar_invalid);
   status.add("LiDAR readings gated", counters_.lidar_gated);

@@ -3,7 +3,6 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 
 #include <mutex>
-#include <string>
 
 #include "flight_corridor/pipeline.hpp"
 #include "ros/heartbeat.hpp"
@@ -25,7 +24,7 @@ class Diagnostics {
   void describeRates(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   std::mutex mutex_;
-  std::uint64_t pairs_ = 0, verdicts_ = 0;                      // since the node started
+  std::uint64_t pairs_ = 0, verdicts_ = 0, refused_ = 0;        // since the node started
   std::uint64_t described_pairs_ = 0, described_verdicts_ = 0;  // up to the last description
   ros::WallTime described_ = ros::WallTime::now();
   flight_corridor::Report report_;

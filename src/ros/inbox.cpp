@@ -1,14 +1,9 @@
 #include "ros/inbox.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace flight_corridor_ros {
-
-namespace {
-
-constexpr double kLongestDelay_s = 1.0;  // a stamp further back than this means that time was set back
-
-}  // namespace
 
 template <typename MessageConstPtr>
 void Inbox::Readings<MessageConstPtr>::put(const MessageConstPtr& reading) {
@@ -22,11 +17,10 @@ void Inbox::Readings<MessageConstPtr>::put(const MessageConstPtr& reading) {
 
 template <typename MessageConstPtr>
 std::vector<MessageConstPtr> Inbox::Readings<MessageConstPtr>::take(const ros::Time& until) {
-  std::vector<MessageConstPtr> taken;
-  while (!waiting_.empty() && waiting_.front()->header.stamp <= until) {
-    taken.push_back(waiting_.front());
-    waiting_.pop_front();
-  }
+  const auto later = std::stable_partition(
+      waiting_.begin(), waiting_.end(), [&](const MessageConstPtr& reading) { return reading->header.stamp <= until; });
+  std::vector<MessageConstPtr> taken(waiting_.begin(), later);
+  waiting_.erase(waiting_.begin(), later);
   return taken;
 }
 

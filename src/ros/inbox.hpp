@@ -15,6 +15,8 @@
 
 namespace flight_corridor_ros {
 
+constexpr double kLongestDelay_s = 1.0;  ///< A stamp further back than this means that time was set back.
+
 /// What waits for the worker: the newest stereo pair (an older one gives way), the LiDAR's and the imu's readings (none
 /// gets lost), and errands. Any thread may put; one thread takes.
 class Inbox {

@@ -76,9 +76,13 @@ void Node::answer(const StereoMessages& pair) {
     const std::lock_guard<std::mutex> lock(camera_frame_mutex_);
     camera_frame_ = header.frame_id;
   }
-  if (!isFresh(header.stamp)) return publish(header, refusal(header.stamp, flight_corridor::kNoData));
+  const auto refuseOld = [&] {
+    publish(header, refusal(header.stamp, flight_corridor::kNoData));
+    publishers_.removeBox(header);
+  };
+  if (!isFresh(header.stamp)) return refuseOld();
   const Report& report = processor_.process(pair);
-  if (!isFresh(header.stamp)) return publish(header, refusal(header.stamp, flight_corridor::kNoData));
+  if (!isFresh(header.stamp)) return refuseOld();
   publish(header, report);
   if (auto* pipeline = processor_.products()) {
     publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, processor_.lidar());

@@ -21,8 +21,8 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline on ROS topics and services. Four threads: callbacks fill the inbox, one worker owns the pipeline,
-/// questions wait for it, and a watchdog publishes UNKNOWN while no verdict comes.
+/// The pipeline on ROS topics and services. Threads: callbacks fill the inbox, one worker owns the pipeline, questions
+/// wait for it, a watchdog publishes UNKNOWN while no verdict comes, diagnostics speak once a second, tf2 listens.
 class Node {
  public:
   /// @throws std::invalid_argument listing everything that is wrong with the parameters.

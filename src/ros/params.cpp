@@ -173,7 +173,8 @@ Violations check(const RosConfig& config) {
   rules.require(config.imu_queue >= 1, "imu_queue", "1 or more", config.imu_queue);
   rules.require(!config.gravity_frame.empty(), "gravity_frame", "a frame's name", config.gravity_frame);
   rules.require(config.watchdog_s > 0.0, "watchdog_s", "positive", config.watchdog_s);
-  rules.require(config.tf_timeout_s >= 0.0, "tf_timeout_s", "not negative", config.tf_timeout_s);
+  rules.require(0.0 <= config.tf_timeout_s && config.tf_timeout_s <= 10.0, "tf_timeout_s", "0 to 10",
+                config.tf_timeout_s);
   rules.require(!config.image_transport.empty(), "image_transport", "a transport's name", config.image_transport);
   return rules.broken();
 }

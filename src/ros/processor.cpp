@@ -13,8 +13,6 @@ namespace {
 constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
 
-constexpr double kLongestDelay_s = 1.0;  // a pair further back than this means that time was set back
-
 }  // namespace
 
 flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
@@ -24,15 +22,21 @@ flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
   return report;
 }
 
+bool isRefusal(const flight_corridor::Report& report) { return (report.verdict.reasons & kRefused) != 0; }
+
 const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   const std_msgs::Header& header = pair.left->header;
   has_products_ = false;
+  report_ = refusal(header.stamp, flight_corridor::kNoData);  // for questions, should a library throw
   if (header.stamp.isZero()) {
     if (stamp_warning_.due()) ROS_WARN("a stereo pair has no stamp (0): UNKNOWN");
-    return report_ = refusal(header.stamp, flight_corridor::kNoData);
+    return report_;
   }
   forgetWhenTimeJumpsBack(header.stamp);
-  if (header.stamp < newest_stamp_) return report_ = refusal(header.stamp, flight_corridor::kNoData);
+  if (header.stamp < newest_stamp_) {
+    if (stamp_warning_.due()) ROS_WARN("a stereo pair is older than the one before: UNKNOWN");
+    return report_;
+  }
   newest_stamp_ = header.stamp;
   const auto lidar = inbox_.newestRange();
   if (const std::uint32_t reasons = rig_.fit(pair, lidar ? lidar->header.frame_id : "")) {
@@ -42,7 +46,7 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   left_ = readImage(pair.left);
   const auto right = readImage(pair.right);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
-  has_products_ = !(report_.verdict.reasons & kRefused);
+  has_products_ = !isRefusal(report_);
   if (has_products_) map_header_ = headerOfMap(header);
   return report_;
 }

@@ -16,6 +16,9 @@ namespace flight_corridor_ros {
 /// The answer to a stereo pair that could not be processed.
 flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons);
 
+/// Whether an answer is one.
+bool isRefusal(const flight_corridor::Report& report);
+
 /// From messages to verdicts: the part of the node that needs neither a master nor a clock. One thread.
 class Processor {
  public:
@@ -48,8 +51,8 @@ class Processor {
   const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
   /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
   const std_msgs::Header& mapHeader() const { return map_header_; }
-  /// The LiDAR's newest reading up to the last pair; null without one.
-  const sensor_msgs::RangeConstPtr& lidar() const { return lidar_; }
+  /// The LiDAR's newest reading up to the last pair; null without one, or where tf does not know the LiDAR.
+  sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
   /// The last pair's left image, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
   /// Of the present pipeline; all 0 without one.

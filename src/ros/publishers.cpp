@@ -88,8 +88,7 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
                                const cv::Mat& left, const Pipeline& pipeline, const Report& report) {
   namespace encodings = sensor_msgs::image_encodings;
   publish("disparity", [&] {
-    return toDisparityImage(header, pipeline.disparity().filtered_px, pipeline.geometry(),
-                            pipeline.config().stereo.num_disparities_px);
+    return toDisparityImage(header, pipeline.disparity().filtered_px, pipeline.geometry(), pipeline.nearestDepth());
   });
   publish("depth/image_rect", [&] { return toImage(header, pipeline.depth().filled_m, encodings::TYPE_32FC1); });
   publish("depth/camera_info", [&] {

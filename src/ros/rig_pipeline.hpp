@@ -25,6 +25,8 @@ class RigPipeline {
 
   /// Whether readings of this frame are the LiDAR's.
   bool isLidar(const std::string& frame) const { return frame == lidar_frame_; }
+  /// Whether tf knows where it sits.
+  bool hasLidar() const { return T_C_L_.has_value(); }
 
   /// Valid after fit() returned 0.
   flight_corridor::Pipeline& operator*() { return *pipeline_; }

@@ -123,10 +123,6 @@ CsvTable::CsvTable(const std::string& path) : path_(path) {
   if (header_.empty()) throw std::runtime_error(path + ": no header line");
 }
 
-bool CsvTable::has(const std::string& column) const {
-  return std::find(header_.begin(), header_.end(), column) != header_.end();
-}
-
 std::size_t CsvTable::index(const std::string& column) const {
   const auto found = std::find(header_.begin(), header_.end(), column);
   if (found == header_.end()) throw std::runtime_error(path_ + ": no column '" + column + "'");

@@ -23,7 +23,6 @@ class CsvTable {
   explicit CsvTable(const std::string& path);
 
   std::size_t size() const { return rows_.size(); }
-  bool has(const std::string& column) const;
   /// @throws std::runtime_error naming file and column when there is no such column.
   const std::string& text(std::size_t row, const std::string& column) const;
   /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value when it is none.

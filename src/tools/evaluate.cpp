@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <vector>

@@ -52,8 +52,9 @@ std::vector<ImagePair> listPairs(const fs::path& folder) {
   }
   if (pairs.empty()) fail(left, "holds no images");
   std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) {
-    return isNumber(a.left) && isNumber(b.left) ? strverscmp(a.left.c_str(), b.left.c_str()) < 0  // 2.png before 10.png
-                                                : a.left < b.left;
+    const bool is_number = isNumber(a.left);
+    if (is_number != isNumber(b.left)) return is_number;
+    return is_number ? strverscmp(a.left.c_str(), b.left.c_str()) < 0 : a.left < b.left;  // 2.png before 10.png
   });
   return pairs;
 }
