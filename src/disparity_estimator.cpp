@@ -124,7 +124,7 @@ void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   out.least_texture = leastTexture(left);
   cv::compare(out.texture, out.least_texture, keep_, cv::CMP_GE);
   toPixels(matched_fixed_, keep_, out.matched_px);
-  level_matcher_.match(left, balanced_right_, out.matched_px);
+  level_matcher_.match(left, balanced_right_, out.matched_px, out.level);
   refiner_.refine(left, balanced_right_, out.matched_px, out.thin);
   removeDifference(out.matched_px);
   out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(left.total());

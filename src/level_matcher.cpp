@@ -41,7 +41,7 @@ void dropShortRuns(float* found_px, int count) {
 LevelMatcher::LevelMatcher(int min_disparity_px, int num_disparities_px)
     : min_disparity_px_(min_disparity_px), num_disparities_px_(num_disparities_px) {}
 
-void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
+void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px, cv::Mat& level) {
   static const cv::Mat kStep = (cv::Mat_<float>(3, 1) << -0.5f, 0.0f, 0.5f);
   cv::filter2D(left, left_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
   cv::filter2D(right, right_steps_, CV_8U, kStep, {-1, -1}, kNoStep);
@@ -54,11 +54,15 @@ void LevelMatcher::match(const cv::Mat& left, const cv::Mat& right, cv::Mat& dis
   // What was found holds for the rows beside it, too: a thin thing has hardly more.
   static const cv::Mat kRows = cv::getStructuringElement(cv::MORPH_RECT, {1, 2 * kBeside_px + 1});
   cv::dilate(found_px_, nearest_px_, kRows);
+  level.create(left.size(), CV_8U);
   for (int v = 0; v < left.rows; ++v) {
     const auto* nearest_px = nearest_px_.ptr<float>(v);
     auto* d = disparity_px.ptr<float>(v);
+    auto* is_level = level.ptr<std::uint8_t>(v);
     for (int u = 0; u < left.cols; ++u) {
-      if (nearest_px[u] > kNothing && !(d[u] >= nearest_px[u])) d[u] = nearest_px[u];
+      const bool is_nearer = nearest_px[u] > kNothing && !(d[u] >= nearest_px[u]);
+      if (is_nearer) d[u] = nearest_px[u];
+      is_level[u] = is_nearer ? 255 : 0;
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/level_edges.hpp"
 
 namespace flight_corridor {
 
@@ -27,7 +28,7 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-MapConfig inCamera(MapConfig config) {
+MapConfig ofOneImage(MapConfig config) {
   config.frame_id.clear();
   return config;
 }
@@ -49,7 +50,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       map_(config.map, geometry),
       corridor_(config.corridor),
       recent_block_(config.corridor.hold_s, config.map.resolution_m) {
-  if (!config.map.frame_id.empty()) frame_map_.emplace(inCamera(config.map), geometry);
+  if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry);
 }
 
 Outcome Pipeline::addRange(const RangeReading& reading) {
@@ -185,7 +186,10 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   std::uint32_t reasons = 0;
   if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
-  if (!(reasons & kOccupiedCell) && map_.showsOutline(box_M)) reasons |= kOutline;
+  if (reasons & kOccupiedCell) return reasons;
+  const bool may_hold_edge =
+      mayHoldLevelEdge(inCamera(box_M), depth_.matched_m, disparity_.level, geometry_, config_.map.thin_hit_band_px);
+  if (may_hold_edge || map_.showsOutline(box_M)) reasons |= kOutline;
   return reasons;
 }
 
@@ -227,7 +231,7 @@ Verdict Pipeline::query(const Box& box) const {
 
   verdict.reasons = reasonsOf(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
   if (stateOf(verdict.reasons) != State::Blocked) {
-    verdict.reasons |= doubts({T_M_C_.inverse() * box.T_M_F, box.size_m});
+    verdict.reasons |= doubts(inCamera(box));
   }
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;

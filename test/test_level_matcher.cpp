@@ -56,18 +56,26 @@ struct Pair {
 /// What a matcher with much smoothing sees: the background everywhere.
 cv::Mat background(const Pair& pair) { return {pair.left.size(), CV_32FC1, cv::Scalar(kBackground_px)}; }
 
+/// @return where the disparity was set.
+cv::Mat matchLevel(LevelMatcher matcher, const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px) {
+  cv::Mat level;
+  matcher.match(left, right, disparity_px, level);
+  return level;
+}
+
 TEST(LevelMatcher, FindsABranchThatWasGivenToItsBackground) {
   const Pair pair(0.08);
   cv::Mat disparity_px = background(pair);
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  const cv::Mat level = matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
+  EXPECT_EQ(cv::countNonZero(level != (disparity_px != kBackground_px)), 0) << "where the disparity was set";
 }
 
 TEST(LevelMatcher, FindsABranchThatIsNearlyAsGreyAsItsBackgroundByALongerWindow) {
   const Pair pair(0.12, 3.0, kBranch_px, 90.0f);
   cv::Mat disparity_px = background(pair);
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.6 * cv::countNonZero(pair.is_branch));
 }
@@ -78,7 +86,7 @@ TEST(LevelMatcher, AStubInLineWithAFartherRodStaysNear) {
   const cv::Rect stub(kFirst_px, 0, kLength_px, pair.left.rows), in_right = stub - cv::Point(kStub_px, 0);
   near.right(in_right).copyTo(pair.right(in_right));
   cv::Mat disparity_px = background(pair);
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   EXPECT_GT(cv::countNonZero((disparity_px(stub) > kStub_px - 1.0) & pair.is_branch(stub)), kLength_px / 2);
 }
 
@@ -86,7 +94,7 @@ TEST(LevelMatcher, TellsFractionsOfAPixel) {
   const auto found_px = [](double branch_px) {
     const Pair pair(0.08, 2.0, branch_px);
     cv::Mat disparity_px = background(pair);
-    LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+    matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
     const cv::Mat found = (disparity_px > branch_px - 1.5) & (disparity_px < branch_px + 1.5) & pair.is_branch;
     return cv::mean(disparity_px, found)[0];
   };
@@ -97,7 +105,7 @@ TEST(LevelMatcher, TellsFractionsOfAPixel) {
 TEST(LevelMatcher, FindsOneThatIsAllButLevelAsTheMiddleOfAThinThingHoldsNothingOfItsBackground) {
   const Pair pair(0.035, 3.0);
   cv::Mat disparity_px = background(pair);
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
 }
@@ -106,7 +114,7 @@ TEST(LevelMatcher, FindsItOnTheRowsBesideItsMiddleToo) {
   const Pair pair(0.08);
   cv::Mat disparity_px = background(pair), three_rows;
   cv::dilate(pair.is_branch, three_rows, cv::getStructuringElement(cv::MORPH_RECT, {1, 3}));
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   EXPECT_GT(cv::countNonZero((disparity_px > kBranch_px - 1.5) & three_rows), 0.5 * cv::countNonZero(three_rows));
 }
 
@@ -116,7 +124,7 @@ TEST(LevelMatcher, TakesAFewPixelsThatAgreeForChance) {
     const cv::Range strip(100, 130 + candidates);
     cv::Mat disparity_px(pair.left.rows, strip.size(), CV_32FC1, cv::Scalar(kBackground_px));
     const cv::Mat before = disparity_px.clone();
-    LevelMatcher(-2, 16).match(pair.left.colRange(strip), pair.right.colRange(strip), disparity_px);
+    matchLevel(LevelMatcher(-2, 16), pair.left.colRange(strip), pair.right.colRange(strip), disparity_px);
     return cv::countNonZero(disparity_px != before);
   };
   EXPECT_EQ(found(11), 0);
@@ -126,7 +134,7 @@ TEST(LevelMatcher, TakesAFewPixelsThatAgreeForChance) {
 TEST(LevelMatcher, FindsItAlsoWhereNothingWasMatched) {
   const Pair pair(-0.08);
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(kNothing));
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   const cv::Mat found = (disparity_px > kBranch_px - 1.5) & (disparity_px < kBranch_px + 1.5) & pair.is_branch;
   EXPECT_GT(cv::countNonZero(found), 0.5 * cv::countNonZero(pair.is_branch));
 }
@@ -134,7 +142,7 @@ TEST(LevelMatcher, FindsItAlsoWhereNothingWasMatched) {
 TEST(LevelMatcher, LeavesAPerfectlyLevelEdgeAloneSinceEveryDisparityFitsIt) {
   const Pair pair(0.0);
   cv::Mat disparity_px = background(pair);
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   EXPECT_EQ(cv::countNonZero((disparity_px != kBackground_px) & pair.is_branch), 0);
 }
 
@@ -142,7 +150,7 @@ TEST(LevelMatcher, LeavesWhatIsMatchedRightAlone) {
   const Pair pair(0.08);
   cv::Mat disparity_px(pair.left.size(), CV_32FC1, cv::Scalar(kBranch_px));
   const cv::Mat before = disparity_px.clone();
-  LevelMatcher(-2, 128).match(pair.left, pair.right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), pair.left, pair.right, disparity_px);
   EXPECT_EQ(cv::countNonZero((disparity_px != before) & pair.is_branch), 0);
 }
 
@@ -156,7 +164,7 @@ TEST(LevelMatcher, LeavesAnExactRepeatAloneAlsoWithoutNoise) {
     }
   }
   cv::Mat disparity_px(left.size(), CV_32FC1, cv::Scalar(kNothing));
-  LevelMatcher(-2, 128).match(left, right, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), left, right, disparity_px);
   const cv::Mat several_fit =
       disparity_px.colRange(120, 220);  // at the margins only one of the repeats is in the image
   EXPECT_EQ(cv::countNonZero(several_fit == several_fit), 0);
@@ -165,14 +173,14 @@ TEST(LevelMatcher, LeavesAnExactRepeatAloneAlsoWithoutNoise) {
 TEST(LevelMatcher, LeavesAPlainImageAlone) {
   const cv::Mat grey(100, 260, CV_8UC1, cv::Scalar(90));
   cv::Mat disparity_px(grey.size(), CV_32FC1, cv::Scalar(kNothing));
-  LevelMatcher(-2, 128).match(grey, grey, disparity_px);
+  matchLevel(LevelMatcher(-2, 128), grey, grey, disparity_px);
   EXPECT_EQ(cv::countNonZero(disparity_px == disparity_px), 0);
 }
 
 TEST(LevelMatcher, ImagesNarrowerThanItsWindowStayAsTheyAre) {
   const cv::Mat grey(40, 20, CV_8UC1, cv::Scalar(90));
   cv::Mat disparity_px(grey.size(), CV_32FC1, cv::Scalar(3.0));
-  LevelMatcher(-2, 32).match(grey, grey, disparity_px);
+  matchLevel(LevelMatcher(-2, 32), grey, grey, disparity_px);
   EXPECT_EQ(cv::countNonZero(disparity_px != 3.0), 0);
 }
 

@@ -39,6 +39,7 @@ struct Disparity {
   double matched_fraction = 0.0;  ///< Share of pixels with a match.
   cv::Mat small;                  ///< CV_8U: 255 where a match is of a thing smaller than stereo/speckle_window_px.
   cv::Mat thin;                   ///< CV_8U: 255 where most matches around are of other surfaces, and draw it to them.
+  cv::Mat level;                  ///< CV_8U: 255 where a level edge is ranged by its slope alone.
   cv::Mat texture;  ///< CV_32FC1: mean absolute gradient along the row, over the matcher's block [grey levels].
   double least_texture = 0.0;  ///< Less may be noise [grey levels].
 };

@@ -17,7 +17,8 @@ class LevelMatcher {
   /// Sets the disparity of level edges that are clearly nearer than what was matched there.
   /// @param left, right   CV_8UC1, rectified.
   /// @param disparity_px  CV_32FC1, NaN = no match, u_l - u_r in pixels of the images.
-  void match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
+  /// @param level  refilled: CV_8U, 255 where it was set.
+  void match(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px, cv::Mat& level);
 
  private:
   struct Window {

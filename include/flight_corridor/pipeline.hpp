@@ -105,6 +105,7 @@ class Pipeline {
   void decide();
   std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const;
   const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
+  Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
   State state(std::uint32_t reasons) const;
   bool isTrusted() const;
   UnmatchedTexture unmatchedTexture() const;

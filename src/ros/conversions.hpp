@@ -53,6 +53,7 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& ima
 
 /// Disparity with Z = f*T/d; no match: below min_disparity, as the message's definition wants.
 /// @param disparity_px CV_32FC1, NaN = no match.
+/// @param nearest_m depth of the largest disparity that is searched.
 stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
                                              const flight_corridor::StereoGeometry& geometry, double nearest_m);
 
