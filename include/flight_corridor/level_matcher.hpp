@@ -27,7 +27,7 @@ class LevelMatcher {
     double smallest_step;  // mean vertical step [grey/px] that is an edge
   };
   /// The longer one tells what is nearly as grey as its background, the shorter one what is short or bends.
-  static constexpr Window kWindows[] = {{15, 1, 10.0}, {45, 3, 8.0}};
+  static constexpr Window kWindows[] = {{15, 1, 10.0}, {45, 3, 5.0}};
 
   void find(const Window& window, const cv::Mat& disparity_px);
   float disparityAt(int u, int v, int reach_px, float matched_px);
