@@ -37,12 +37,14 @@ struct Window {
 struct Row {
   int blocked = 0, false_free = 0, false_blocked = 0;
   std::vector<double> range_errors_m;         // while the fault lasts
+  int without_range = 0;                      // frames of that time without d_K
   double notice_s = kNaN, recovery_s = kNaN;  // NaN: never; of several flights the slowest
 
   void add(const Row& flight) {
     blocked += flight.blocked;
     false_free += flight.false_free;
     false_blocked += flight.false_blocked;
+    without_range += flight.without_range;
     range_errors_m.insert(range_errors_m.end(), flight.range_errors_m.begin(), flight.range_errors_m.end());
     const auto slower = [](double a, double b) { return a < b || std::isnan(b) ? b : a; };
     notice_s = slower(notice_s, flight.notice_s);
@@ -95,7 +97,11 @@ Row judge(const Run& run, const Run& faultless, const std::vector<sim::CorridorT
     const double error_m = std::abs(report.range.range_m - expected_m);
     const bool suspicious = (report.verdict.reasons & kNoticed) != 0;
     if (window.contains(stamp_s)) {
-      if (std::isfinite(error_m)) row.range_errors_m.push_back(error_m);
+      if (std::isfinite(error_m)) {
+        row.range_errors_m.push_back(error_m);
+      } else {
+        ++row.without_range;
+      }
       if (suspicious && std::isnan(row.notice_s)) row.notice_s = stamp_s - window.from_s;
     }
     const bool recovered = stamp_s >= window.until_s && !suspicious && error_m <= kRecovered * expected_m;
@@ -137,9 +143,9 @@ void tabulate(const std::string& scene, int seeds) {
   const std::vector<std::string> faults = sim::lidarFaultNames();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& row = rows[i];
-    std::printf("%-8s %-9s | %7d %10d %13d | %6.3f %6.3f | %6.2f %8.2f\n", scene.c_str(), faults[i].c_str(),
+    std::printf("%-8s %-9s | %7d %10d %13d | %6.3f %6.3f %5d | %6.2f %8.2f\n", scene.c_str(), faults[i].c_str(),
                 row.blocked, row.false_free, row.false_blocked, quantile(row.range_errors_m, 0.5),
-                quantile(row.range_errors_m, 0.95), row.notice_s, row.recovery_s);
+                quantile(row.range_errors_m, 0.95), row.without_range, row.notice_s, row.recovery_s);
   }
   std::fflush(stdout);
 }
@@ -153,9 +159,9 @@ int main(int argc, char** argv) {
       "flight's while the fault lasts;\nnoticed: rejected, missing, slow or in disagreement; recovered: within %.0f %% "
       "again, nothing suspicious; of the slowest flight; nan: never.\n",
       100 * kFrom, 100 * kUntil, kRate_hz, seeds, 100 * kRecovered);
-  std::printf("%-8s %-9s | %7s %10s %13s | %13s | %6s %8s\n", "scene", "fault", "blocked", "false FREE",
-              "false BLOCKED", "d_K error [m]", "notice", "recovery");
-  std::printf("%-8s %-9s | %7s %10s %13s | %6s %6s | %6s %8s\n", "", "", "frames", "", "", "median", "p95", "[s]",
-              "[s]");
+  std::printf("%-8s %-9s | %7s %10s %13s | %13s %5s | %6s %8s\n", "scene", "fault", "blocked", "false FREE",
+              "false BLOCKED", "d_K error [m]", "no", "notice", "recovery");
+  std::printf("%-8s %-9s | %7s %10s %13s | %6s %6s %5s | %6s %8s\n", "", "", "frames", "", "", "median", "p95", "d_K",
+              "[s]", "[s]");
   for (const char* scene : {"wall", "pole", "forest"}) tabulate(scene, seeds);
 }

@@ -60,8 +60,8 @@ int framesUntilRight(const std::vector<Sample>& samples, double change_s, double
 void judge(const Approach& approach, const std::vector<Sample>& samples, Score& score) {
   for (const Sample& sample : samples) {
     const double since_s = sample.stamp_s - lastChange(approach, sample.stamp_s);
-    if (!isFrame(sample) || std::isnan(sample.fused_m) || since_s < kFramesToFollow / kFrames_hz) continue;
-    const double error_m = std::abs(sample.fused_m - sample.true_m);
+    if (!isFrame(sample) || since_s < kFramesToFollow / kFrames_hz) continue;
+    const double error_m = std::isnan(sample.fused_m) ? kInfinity : std::abs(sample.fused_m - sample.true_m);
     score.largest_m = std::max(score.largest_m, error_m);
     score.squares_m2 += error_m * error_m;
     ++score.frames;

@@ -60,9 +60,9 @@ double quantile(std::vector<float>& values, double share) {
 
 void printErrors(Errors& errors) {
   for (std::vector<float>& error : errors) {
-    const double median = std::abs(quantile(error, 0.5));
+    const double bias = quantile(error, 0.5);
     for (float& e : error) e = std::abs(e);
-    std::printf(" %5.1f %5.1f |", 100.0 * median, 100.0 * quantile(error, 0.95));
+    std::printf(" %+5.1f %4.1f %4.1f |", 100.0 * bias, 100.0 * quantile(error, 0.5), 100.0 * quantile(error, 0.95));
   }
 }
 
@@ -108,9 +108,10 @@ void fly(const Fault& fault, std::uint64_t seed, std::array<Errors, kModelNames.
 
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 3;
-  std::printf("Depth error [%%], median and p95, by true depth, after %.0f s of learning, %d seeds.\n", kLearning_s,
-              seeds);
-  std::printf("%-16s %-11s |    1-2 m    |    2-4 m    |    4-6 m    |\n", "rig", "");
+  std::printf(
+      "Depth error [%%], median, median and p95 of its amount, by true depth, after %.0f s of learning, %d seeds.\n",
+      kLearning_s, seeds);
+  std::printf("%-16s %-11s |      1-2 m       |      2-4 m       |      4-6 m       |\n", "rig", "");
   for (const Fault& fault : kFaults) {
     std::array<Errors, kModelNames.size()> errors;
     for (int seed = 1; seed <= seeds; ++seed) fly(fault, static_cast<std::uint64_t>(seed), errors);

@@ -35,7 +35,7 @@ class Box:
 
 class TrueDepth:
     """A frame's true depth [m], and where each pixel looks. NaN where it is unknown, and where the right camera does not
-    look: of that the verdict says nothing."""
+    look: that is kept apart."""
 
     def __init__(self, path, calibration):
         depth = read_millimetres(path) / 1000.0
@@ -46,6 +46,7 @@ class TrueDepth:
         self.x = (u - calibration["cx"]) / calibration["fx"]
         self.y = (v - calibration["cy"]) / calibration["fy"]
         right_u = u + calibration["doffs"] - calibration["fx"] * calibration["baseline"] / self.depth
+        self.only_left = np.where(right_u < 0, self.depth, np.nan)
         self.depth[right_u < 0] = np.nan
 
     def passage(self, box):
@@ -56,10 +57,11 @@ class TrueDepth:
         enter = np.maximum(0.0, np.maximum(sides[0], heights[0]))
         return enter, np.minimum(box.length, np.minimum(sides[1], heights[1]))
 
-    def clear_distance(self, box):
+    def clear_distance(self, box, depth=None):
         """Depth of the nearest surface in a box; inf: none."""
+        depth = self.depth if depth is None else depth
         enter, leave = self.passage(box)
-        inside = np.sort(self.depth[(enter <= self.depth) & (self.depth <= leave)])
+        inside = np.sort(depth[(enter <= depth) & (depth <= leave)])
         return inside[LEAST_POINTS - 1] if len(inside) >= LEAST_POINTS else np.inf
 
     def is_known(self, box):
@@ -68,16 +70,20 @@ class TrueDepth:
         return np.count_nonzero(self.is_unknown & crossing) <= MOST_UNKNOWN * np.count_nonzero(crossing)
 
     def row(self, box):
-        """clear_exact, clear_shrunk and clear_inflated, as simulate writes them; a free box of which too little is known
-        counts as neither."""
+        """clear_exact, clear_shrunk and clear_inflated, as simulate writes them; a free box of which too little is known,
+        or in which something stands that the right camera does not see, counts as neither."""
         exact, shrunk, inflated = (self.clear_distance(box.grown(border)) for border in (0.0, -BORDER_M, BORDER_M))
-        if not np.isfinite(inflated) and not self.is_known(box):
+        hidden = np.isfinite(self.clear_distance(box.grown(BORDER_M), self.only_left))
+        if not np.isfinite(inflated) and (hidden or not self.is_known(box)):
             inflated = box.length
         return [exact, shrunk, inflated]
 
 
-def write_truth(path, stamps, frames, box):
+def write_truth(path, frames, box):
+    """@param frames pairs of a stamp and a TrueDepth, or None where it is not known"""
+    unknown = [np.inf, np.inf, box.length]
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["stamp", "clear_exact", "clear_shrunk", "clear_inflated"])
-        writer.writerows([stamp, *(f"{value:.6f}" for value in frame.row(box))] for stamp, frame in zip(stamps, frames))
+        writer.writerows([stamp, *(f"{value:.6f}" for value in (frame.row(box) if frame else unknown))]
+                         for stamp, frame in frames)

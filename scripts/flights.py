@@ -27,7 +27,8 @@ class Yardsticks:
     """Stock methods: writes a table for each threshold of each, e.g. paper_4.00.csv."""
 
     def __init__(self):
-        self.key = "yardsticks_" + tool_digest("yardsticks", "flight_corridor_tools", "flight_corridor")
+        self.key = "yardsticks_" + tool_digest("yardsticks", "flight_corridor_tools", "flight_corridor_ros",
+                                                "flight_corridor")
 
     def judge(self, bag, folder):
         run_tool("yardsticks", "--bag", bag, "--out", folder)
@@ -39,7 +40,7 @@ class Flight:
     def __init__(self, family, seed, options):
         self.family, self.seed = family, seed
         self.arguments = ["--scene", family, "--seed", seed, *options]
-        program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_sim")
+        program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor_sim")
         self.folder = CACHE / f"{family}_{seed}_{digest(program, *options)}"
         self.truth = self.folder / "truth.csv"
 
@@ -75,14 +76,18 @@ def fly_all(flights, judges, jobs, keep_bags):
     failed, start = [], time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         futures = {pool.submit(flight.fly, judges, keep_bags): flight for flight in flights}
-        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-            flight, outcome = futures[future], ""
-            try:
-                future.result()
-            except ToolError as error:
-                failed.append(flight)
-                outcome = f" FAILED: {error}"
-            left_s = (time.monotonic() - start) * (len(flights) - done) / done
-            print(f"[{done}/{len(flights)}] {flight.family} seed {flight.seed}, {left_s:.0f} s left{outcome}",
-                  file=sys.stderr, flush=True)
+        try:
+            for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
+                flight, outcome = futures[future], ""
+                try:
+                    future.result()
+                except (ToolError, OSError) as error:
+                    failed.append(flight)
+                    outcome = f" FAILED: {error}"
+                left_s = (time.monotonic() - start) * (len(flights) - done) / done
+                print(f"[{done}/{len(flights)}] {flight.family} seed {flight.seed}, {left_s:.0f} s left{outcome}",
+                      file=sys.stderr, flush=True)
+        except BaseException:  # Ctrl-C: what has not begun shall not
+            pool.shutdown(cancel_futures=True)
+            raise
     return failed

@@ -8,6 +8,8 @@ import subprocess
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LIBRARIES = ROOT / ".build" / "ws" / "devel" / "lib"
 PROGRAMS = LIBRARIES / "flight_corridor"
+BUILT = ROOT / ".build" / "ws" / "built"  # made by scripts/setup, no newer than the programs
+SOURCES = ["src", "include", "bench", "test/support", "msg", "srv", "CMakeLists.txt"]
 
 
 class ToolError(Exception):
@@ -24,8 +26,8 @@ def find_tool(name):
     program = PROGRAMS / name
     if not program.exists():
         raise ToolError(f"{program} is not built: run ./scripts/setup")
-    source = newest(path for folder in ("src", "include", "bench") for path in (ROOT / folder).rglob("*"))
-    if source.stat().st_mtime > newest([*LIBRARIES.glob("*.so"), *PROGRAMS.iterdir()]).stat().st_mtime:
+    source = newest(path for name in SOURCES for path in [ROOT / name, *(ROOT / name).rglob("*")])
+    if not BUILT.exists() or source.stat().st_mtime > BUILT.stat().st_mtime:
         raise ToolError(f"{source.relative_to(ROOT)} is newer than the programs: run ./scripts/setup")
     return program
 
@@ -34,6 +36,8 @@ def run_tool(name, *arguments):
     """Runs a program quietly.  @return what it printed."""
     done = subprocess.run([str(find_tool(name)), *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode != 0:
+        if done.returncode < 0:
+            raise ToolError(f"{name}: ended by signal {-done.returncode}")
         _, found, said = done.stderr.rpartition(f"{name}: ")
         raise ToolError(f"{name}: {said.strip()}" if found else f"{name}: exit code {done.returncode}")
     return done.stdout

@@ -33,6 +33,7 @@ def distance(row):
 COLUMNS = [  # heading, cell
     ("truly blocked", lambda row: row["blocked"]),
     ("false FREE", lambda row: share(row, "false_free", "blocked")),
+    ("flights with false FREE", lambda row: share(row, "recordings_false_free", "recordings_blocked")),
     ("UNKNOWN", lambda row: share(row, "unknown_of_blocked", "blocked")),
     ("truly free", lambda row: row["free"]),
     ("false BLOCKED", lambda row: share(row, "false_block", "free")),
@@ -42,10 +43,12 @@ COLUMNS = [  # heading, cell
     ("disappearance → FREE [s]", lambda row: reaction(row, "disappearance")),
     ("time [ms]", lambda row: f"{float(row['time_median_ms']):.0f}"),
 ]
-LEGEND = ("False FREE and false BLOCKED: frames (share, 95 % Wilson interval). Distance error: median / p95 where truth "
-          "and verdict are BLOCKED.\nReaction: median / longest, frames of the longest; changes that the verdict never "
-          "followed are missed. Time: median per frame\nwhen the verdicts were made, with several flights at once unless "
-          "--jobs 1. Frames whose obstacle stands only in the\nbox's 0.10 m margin are not scored.")
+LEGEND = ("False FREE and false BLOCKED: frames (share, 95 % Wilson interval as if frames were independent); those of one "
+          "flight show the\nsame scene, so flights are counted, too: of those with truly blocked frames. Distance error: "
+          "median / p95 where truth and\nverdict are BLOCKED. Reaction: median / longest, frames of the longest; changes that the verdict "
+          "never followed are missed.\nTime: median per frame when the verdicts were made, with several flights at once "
+          "unless --jobs 1. Frames whose obstacle stands only\nin the box's 0.10 m margin are not scored, nor those without "
+          "a verdict, of which `fails:` tells.")
 
 
 def markdown(title, rows):

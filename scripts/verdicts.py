@@ -4,14 +4,15 @@
 import csv
 import sys
 
-WATCHDOG = "8"  # the reason NO_DATA alone: what the node says before the first pair and after the last one
+WATCHDOG = "8"  # the reason NO_DATA alone: what the node says while there are no pairs
 STATES = ["UNKNOWN", "FREE", "BLOCKED"]  # by number, as in CorridorState.msg
 
 
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    return [row for row in rows if row["field.reasons"] != WATCHDOG]
+    pairs = [i for i, row in enumerate(rows) if row["field.reasons"] != WATCHDOG]
+    return rows[pairs[0]:pairs[-1] + 1] if pairs else []  # from the first pair to the last one
 
 
 def print_table(rows):

@@ -122,6 +122,18 @@ TEST(Score, StartsTheClockAnewForEachRecording) {
   EXPECT_TRUE(score.reactions.empty());
 }
 
+TEST(Score, CountsRecordingsBesideFrames) {
+  Score score;
+  for (const State said : {State::Free, State::Blocked}) {
+    const Recording two = Recording().add(kBlockedTruth, said).add(kBlockedTruth, said);
+    addRecording(two.results_, two.truth_, score);
+  }
+  const Recording never = Recording().add(kFreeTruth, State::Free);
+  addRecording(never.results_, never.truth_, score);
+  EXPECT_EQ(score.recordings_blocked, 2);
+  EXPECT_EQ(score.recordings_false_free, 1);
+}
+
 TEST(Score, CountsTruthWithoutAVerdict) {
   Recording recording = Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Blocked);
   recording.results_.pop_back();

@@ -47,7 +47,7 @@ void dazzled(Scene& scene, Random& random) {
   scene.world.push_back(wallAcross(x_m, -6.0, 6.0, height_m, masonry(random)));
 }
 
-/// Dusk: a seventh of the light, amplified, with four times the noise.
+/// Dusk: a seventh of the light, with more noise of the electronics and, for that light, of the photons.
 void lowLight(Scene& scene, Random& random) {
   for (ImageSensor* sensor : {&scene.rig.left, &scene.rig.right}) {
     sensor->gain *= 0.15;

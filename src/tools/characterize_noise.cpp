@@ -58,7 +58,8 @@ Samples collect(const StereoBagReader& bag, const flight_corridor_ros::NodeConfi
 int characterizeNoise(const CommandLine& options) {
   const auto wanted = static_cast<std::size_t>(options.integer("samples", kFewestSamples));
   flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
-  config.core.scale.enabled = false;  // it would pull D_c to d_L
+  config.core.scale.enabled = false;          // it would pull D_c to d_L
+  config.core.fusion.gate_sigma = kInfinity;  // it would refuse the noise's tails
   const std::string path = options.text("bag");
   const StereoBagReader bag(path, topicsFrom(options));
   const Samples samples = collect(bag, config, wanted);

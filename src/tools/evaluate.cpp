@@ -55,6 +55,7 @@ void printTable(const Score& score) {
               score.borderline);
   std::printf("without a verdict: %d, of which %d truly blocked\n", score.unanswered, score.unanswered_blocked);
   printShare("false FREE", score.false_free, score.blocked);
+  printShare("recordings with false FREE", score.recordings_false_free, score.recordings_blocked);
   printShare("false BLOCKED", score.false_block, score.free);
   printShare("UNKNOWN of truly blocked", score.unknown_of_blocked, score.blocked);
   printShare("UNKNOWN of truly free", score.unknown_of_free, score.free);
@@ -108,6 +109,8 @@ void printCsv(const Score& score) {
   line.count("unanswered_blocked", score.unanswered_blocked);
   line.share("false_free", score.false_free, score.blocked);
   line.share("false_block", score.false_block, score.free);
+  line.count("recordings_blocked", score.recordings_blocked);
+  line.share("recordings_false_free", score.recordings_false_free, score.recordings_blocked);
   line.count("unknown_of_blocked", score.unknown_of_blocked);
   line.count("unknown_of_free", score.unknown_of_free);
   line.number("distance_error_median_m", quantile(score.distance_errors_m, 0.5));

@@ -84,6 +84,7 @@ State trueState(const TruthRow& row) {
 
 void addRecording(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth, Score& score) {
   const Results by_stamp = byStamp(results, truth);
+  const int blocked_before = score.blocked, false_free_before = score.false_free;
   ReactionClock clock;
   for (const TruthRow& row : truth) {
     const State state = trueState(row);
@@ -99,6 +100,8 @@ void addRecording(const std::vector<ResultRow>& results, const std::vector<Truth
     if (state == State::Unknown) ++score.borderline;
     clock.add(state, result->second, score);
   }
+  score.recordings_blocked += score.blocked > blocked_before;
+  score.recordings_false_free += score.false_free > false_free_before;
 }
 
 std::string falseFreeComplaint(const Score& score) {

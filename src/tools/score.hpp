@@ -21,6 +21,7 @@ struct Reaction {
 
 /// Verdicts of one or many recordings held against truth.
 struct Score {
+  int recordings_blocked = 0, recordings_false_free = 0;  ///< With truly blocked frames; with one called FREE.
   int blocked = 0, free = 0, borderline = 0;  ///< Frames by truth.
   int unanswered = 0;                         ///< Frames of truth that have no verdict; not in the counts above.
   int unanswered_blocked = 0;                 ///< Those of them that are truly blocked.

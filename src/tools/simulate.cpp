@@ -38,7 +38,7 @@ sim::SimulationOptions simulationOptions(const CommandLine& options) {
   sim::SimulationOptions simulation;
   simulation.scene = options.text("scene");
   simulation.seed = static_cast<std::uint64_t>(options.integer("seed", 0));
-  simulation.rate_hz = options.number("rate", 0.1);
+  simulation.rate_hz = options.number("rate", 1.0);
   simulation.image_scale = options.number("image-scale", 0.1);
   simulation.baseline_error = numberIfGiven(options, "baseline-error");
   simulation.disparity_offset_px = numberIfGiven(options, "disparity-offset");
@@ -85,7 +85,6 @@ std::vector<TruthRow> truthRows(const sim::Simulation& simulation) {
 
 int simulate(const CommandLine& options) {
   const sim::Simulation simulation(simulationOptions(options));
-  writeTruth(options.text("truth"), truthRows(simulation));
   const BagRig rig{simulation.calibration(), simulation.T_B_C(), simulation.T_B_L()};
   StereoBagWriter bag(options.text("out"), rig, ros::Time(simulation.frameTimes().front() - 1.0 / kPoseRate_hz));
   writePoses(simulation, bag);
@@ -96,6 +95,7 @@ int simulate(const CommandLine& options) {
   }
   writeFrames(simulation, bag);
   bag.close();
+  writeTruth(options.text("truth"), truthRows(simulation));
   std::printf("%s: %zu pairs, %zu ranges\n", options.text("out").c_str(), simulation.frameTimes().size(),
               ranges.size());
   return 0;
