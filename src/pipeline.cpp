@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "flight_corridor/cross_sections.hpp"
-#include "flight_corridor/level_edges.hpp"
+#include "flight_corridor/thin_things.hpp"
 
 namespace flight_corridor {
 
@@ -187,9 +187,9 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
-  const bool may_hold_edge =
-      mayHoldLevelEdge(inCamera(box_M), depth_.matched_m, disparity_.level, geometry_, config_.map.thin_hit_band_px);
-  if (may_hold_edge || map_.showsOutline(box_M)) reasons |= kOutline;
+  const bool may_hold_thin =
+      mayHoldThinThing(inCamera(box_M), depth_.matched_m, disparity_, geometry_, config_.map.thin_hit_band_px);
+  if (may_hold_thin || map_.showsOutline(box_M)) reasons |= kOutline;
   return reasons;
 }
 

@@ -92,7 +92,7 @@ enum Reason : std::uint32_t {
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
   kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes;
-                            ///< or a level edge that may be in it.
+                            ///< or a thin thing that may be in it.
 };
 
 /// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "flight_corridor/box.hpp"
+#include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+
+namespace flight_corridor {
+
+/// Whether a thin thing lies so little behind a box, as it was matched, that it may be in it: what is around draws its
+/// matches to itself, and of a level edge only the slope tells how far it is. In simulation 95 of 100 pixels of level
+/// branches were matched no more than 1 px too far.
+/// @param box_C the box in C.
+/// @param depth_m CV_32FC1 of geometry.size(), of the disparity's matches, NaN = nothing.
+/// @param band_px disparity by which the map takes thin things to be nearer: those that this brings into the box are
+/// judged there.
+bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity& disparity,
+                      const StereoGeometry& geometry, double band_px);
+
+}  // namespace flight_corridor
