@@ -8,8 +8,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kKeyOrigin = 32768;  // OctoMap's key of the coordinate 0
-constexpr int kLastKey = 65535;
 constexpr unsigned kBlockLevels = 4;  // blocks of 16 x 16 x 16 cells are forgotten together
 constexpr unsigned kBlockCells = 1u << kBlockLevels;
 constexpr unsigned kAllChildren = 0xFF;
@@ -63,7 +61,7 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
   seen_.clear();
   for (const CellCounts::Cube& cube : points_.cubes()) {
     const Eigen::Array3i key = points_.lowestCell(cube);
-    const Eigen::Array3d middle_M = (key.cast<double>() + 1.0 - kKeyOrigin) * config_.resolution_m;
+    const Eigen::Array3d middle_M = (key.cast<double>() + 1.0 - EvidenceTree::kKeyOrigin) * config_.resolution_m;
     const float middle_m = (T_C_M * middle_M.matrix().cast<float>()).z();
     unsigned hits = 0;
     for (unsigned i = 0; i < 8; ++i) {
@@ -76,7 +74,7 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
       const std::uint32_t thin = cube.thin_counts[i], points = cube.counts[i];
       seen_.push_back({centre_M, depth_m, points, hit_rule_.face(points, depth_m), is_hit, 2 * thin >= points});
     }
-    if (hits == 0 || (key < 0).any() || (key > kLastKey).any()) continue;
+    if (hits == 0 || (key < 0).any() || (key > EvidenceTree::kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();
     addToChildren(octomap::OcTreeKey(k[0], k[1], k[2]), EvidenceTree::kDepth - 1, hits, config_.log_odds_hit);
   }
@@ -156,7 +154,8 @@ void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
 }
 
 bool OccupancyMap::touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const {
-  const Eigen::Array3d low_M = (Eigen::Array3d(block[0], block[1], block[2]) - kKeyOrigin) * config_.resolution_m;
+  const Eigen::Array3d low_M =
+      (Eigen::Array3d(block[0], block[1], block[2]) - EvidenceTree::kKeyOrigin) * config_.resolution_m;
   return box_M.intersects(Eigen::AlignedBox3d(low_M, low_M + kBlockCells * config_.resolution_m));
 }
 
@@ -170,8 +169,8 @@ void OccupancyMap::clear() {
 void OccupancyMap::clear(const Eigen::AlignedBox3d& box_M) {
   octomap::OcTreeKey low, high;
   const auto key = [&](double coordinate_m) {
-    const double cell = std::floor(coordinate_m / config_.resolution_m) + kKeyOrigin;
-    return static_cast<octomap::key_type>(std::clamp(cell, 0.0, static_cast<double>(kLastKey)));
+    const double cell = std::floor(coordinate_m / config_.resolution_m) + EvidenceTree::kKeyOrigin;
+    return static_cast<octomap::key_type>(std::clamp(cell, 0.0, static_cast<double>(EvidenceTree::kLastKey)));
   };
   for (unsigned axis = 0; axis < 3; ++axis) {
     low[axis] = key(box_M.min()[axis]);

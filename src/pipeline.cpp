@@ -181,7 +181,7 @@ void Pipeline::decide() {
   verdict.state = state(verdict.reasons);
 }
 
-/// What the map says of a box.
+/// What the map says of a box, and the newest image's thin things.
 std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const {
   std::uint32_t reasons = 0;
   if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;

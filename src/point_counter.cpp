@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <string>
 
+#include "flight_corridor/evidence_tree.hpp"
 #include "flight_corridor/wide_registers.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr int kKeyOrigin = 32768;  // OctoMap's key of the coordinate 0
-constexpr int kLastKey = 65535;
 constexpr unsigned kWindowBits = 10;  // of a cell's place on one axis of the window
 constexpr int kWindowCells = 1 << kWindowBits;
 constexpr std::uint32_t kNoCell = ~std::uint32_t{0};
@@ -44,8 +43,8 @@ PointCounter::PointCounter(const MapConfig& config, const StereoGeometry& geomet
 void PointCounter::count(const cv::Mat& depth_m, const cv::Mat& thin, const Eigen::Isometry3d& T_M_C) {
   points_.clear();
   const Eigen::Array3d camera_key =
-      T_M_C.cast<float>().translation().cast<double>().array() / config_.resolution_m + kKeyOrigin;
-  if (!(camera_key >= 0.0).all() || !(camera_key <= kLastKey).all()) return;
+      T_M_C.cast<float>().translation().cast<double>().array() / config_.resolution_m + EvidenceTree::kKeyOrigin;
+  if (!(camera_key >= 0.0).all() || !(camera_key <= EvidenceTree::kLastKey).all()) return;
   window_key_ = (0.5 * camera_key).floor().cast<int>() * 2 - kWindowCells / 2;  // even: where a parent begins
   for (int v = 0; v < depth_m.rows; ++v) {
     findCells(depth_m.ptr<float>(v), thin.empty() ? not_thin_.data() : thin.ptr<std::uint8_t>(v), v,
@@ -90,7 +89,7 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const st
   const Eigen::Vector3f first = (at_first * cells_per_m).cast<float>();
   const Eigen::Vector3f step = ((at_second - at_first) * cells_per_m).cast<float>();
   const Eigen::Vector3d camera = T_M_C.translation().cast<double>() * cells_per_m;
-  const Eigen::Vector3f origin = (camera.array() + kKeyOrigin - window_key_.cast<double>()).cast<float>();
+  const Eigen::Vector3f origin = (camera.array() + EvidenceTree::kKeyOrigin - window_key_.cast<double>()).cast<float>();
   const float first_x = first[0], first_y = first[1], first_z = first[2];
   const float step_x = step[0], step_y = step[1], step_z = step[2];
   const float origin_x = origin[0], origin_y = origin[1], origin_z = origin[2];

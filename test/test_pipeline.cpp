@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -249,95 +248,6 @@ TEST(Pipeline, AfterTheLidarAloneBlockedNothingIsFreeForTheHoldTime) {
   EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
 }
 
-TEST(Pipeline, ReadingsThatAreNoRangesAreCountedAndNamed) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  for (const double range : {kNaN, kInfinity, -kInfinity, 0.0, 0.1, 9509.0}) {
-    EXPECT_EQ(pipeline.addRange(reading(1.0, range)), Outcome::Invalid) << range;
-  }
-  EXPECT_EQ(pipeline.counters().lidar_invalid, 6u);
-  const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));
-  EXPECT_TRUE(report.verdict.reasons & kNoLidar);
-  EXPECT_TRUE(report.verdict.reasons & kLidarRejected);
-}
-
-TEST(Pipeline, BadInputIsUnknownWithItsReason) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame good = wallFrame(kGeometry, 3, 1.0), bad = good;
-  bad.right = cv::Mat();
-  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
-  bad.right = good.right.rowRange(0, 100);
-  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
-  good.right.convertTo(bad.right, CV_16U);
-  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
-  bad = good;
-  bad.stamp_s = kNaN;
-  EXPECT_EQ(pipeline.process(bad).verdict.reasons, kNoData);
-  EXPECT_EQ(pipeline.process(bad).verdict.state, State::Unknown);
-  EXPECT_EQ(pipeline.counters().frames_refused, 5u);
-}
-
-TEST(Pipeline, OneCameraOnBothTopicsIsNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
-  frame.right = frame.left.clone();
-  const Report& report = pipeline.process(frame);
-  EXPECT_EQ(report.verdict.state, State::Unknown);
-  EXPECT_TRUE(report.verdict.reasons & kBadImage);
-}
-
-TEST(Pipeline, FrozenCamerasAreNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
-  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Free);
-  frame.stamp_s = 1.1;
-  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Unknown);
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.2)).verdict.state, State::Free);
-  StereoFrame half = wallFrame(kGeometry, 3, 1.3);
-  frame = wallFrame(kGeometry, 3, 1.2);
-  half.right = frame.right;
-  const Report& report = pipeline.process(half);
-  EXPECT_NE(report.verdict.state, State::Free);
-  EXPECT_TRUE(report.verdict.reasons & kFrozenImage);
-}
-
-TEST(Pipeline, WhatIsNotTrustedClearsNothing) {
-  Config config;
-  config.map.frame_id = "odom";
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
-  EXPECT_TRUE(pipeline.process(frame, Eigen::Isometry3d::Identity()).clears);
-  const Eigen::Isometry3d turned(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
-  frame.stamp_s = 1.1;  // frozen, while the rig has turned to where nobody looked
-  EXPECT_FALSE(pipeline.process(frame, turned).clears);
-  EXPECT_EQ(pipeline.map().tree().search(1.45, 0.05, 0.05), nullptr);
-  pipeline.addRange(reading(1.2, -kInfinity));  // something is too close
-  EXPECT_FALSE(pipeline.process(wallFrame(kGeometry, 3, 1.2), turned).clears);
-  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 2.0), turned).clears);
-}
-
-TEST(Pipeline, FrozenCamerasStillBlock) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
-  pipeline.process(frame);
-  frame.stamp_s = 1.1;
-  EXPECT_EQ(pipeline.process(frame).verdict.state, State::Blocked);
-}
-
-TEST(Pipeline, AMapInTheWorldNeedsAPose) {
-  Config config;
-  config.map.frame_id = "odom";
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.reasons, kNoPose);
-  Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
-  broken.translation().x() = kNaN;
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
-  for (const Eigen::Vector3d& scale : {Eigen::Vector3d(2, 2, 2), Eigen::Vector3d(1, 1, -1)}) {
-    broken = Eigen::Scaling(scale);
-    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose) << scale.transpose();
-  }
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
-}
-
 TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
   Config config;
   config.map.frame_id = "odom";
@@ -350,12 +260,6 @@ TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
               camera.process(wallFrame(kGeometry, disparity, 1.0)).verdict.state)
         << disparity << " px";
   }
-}
-
-TEST(Pipeline, RefusesABrokenConfiguration) {
-  Config config;
-  config.corridor.height_m = 0.0;
-  EXPECT_THROW(Pipeline(config, kGeometry, rigWithLidar()), std::invalid_argument);
 }
 
 double medianDepth(const Cloud& cloud) {

@@ -14,7 +14,9 @@ namespace flight_corridor {
 /// here may change it; those of OctoMap that do not are free.
 class EvidenceTree : public octomap::OcTree {
  public:
-  static constexpr unsigned kDepth = 16;  ///< Of cells; the root's is 0.
+  static constexpr unsigned kDepth = 16;    ///< Of cells; the root's is 0.
+  static constexpr int kKeyOrigin = 32768;  ///< OctoMap's key of the coordinate 0.
+  static constexpr int kLastKey = 65535;
 
   using octomap::OcTree::OcTree;
   EvidenceTree(const EvidenceTree&) = delete;
