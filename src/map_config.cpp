@@ -13,8 +13,6 @@ Violations check(const MapConfig& config) {
   rules.require(config.min_hit_points >= 1, "min_hit_points", "1 or more", config.min_hit_points);
   rules.require(0.0 <= config.hit_band_px && config.hit_band_px <= config.free_band_px, "hit_band_px",
                 "0 to free_band_px", config.hit_band_px);
-  rules.require(0.0 <= config.thin_hit_band_px && config.thin_hit_band_px <= config.free_band_px, "thin_hit_band_px",
-                "0 to free_band_px", config.thin_hit_band_px);
   rules.require(config.free_band_px >= 0.0, "free_band_px", "not negative", config.free_band_px);
   rules.require(0.0 < config.min_ray_fraction && config.min_ray_fraction <= 1.0, "min_ray_fraction", "above 0, up to 1",
                 config.min_ray_fraction);

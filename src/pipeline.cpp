@@ -90,7 +90,9 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.map_ms);
-    doubts_ = doubts(boxInCamera());
+    const UnmatchedTexture texture = unmatchedTexture(boxInCamera());
+    doubts_ = doubts(boxInCamera(), texture);
+    texture.fill(depth_.filled_m);
     report_.clears = isTrusted();
     updateMap();
   }
@@ -149,7 +151,7 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, disparity_.thin, report_.scale_sigma, T_M_C, box);
+    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, report_.scale_sigma, T_M_C, box);
     return corridor_.inspect(
         map.tree(), box, T_M_C.translation(), observable,
         [&](const Eigen::Vector3d& cell_centre, double near_m) { return surface.begin(cell_centre, near_m); });
@@ -188,7 +190,7 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
   const bool may_hold_thin =
-      mayHoldThinThing(inCamera(box_M), depth_.matched_m, disparity_, geometry_, config_.map.thin_hit_band_px);
+      mayHoldThinThing(inCamera(box_M), depth_.matched_m, disparity_, geometry_, config_.map.hit_band_px);
   if (may_hold_thin || map_.showsOutline(box_M)) reasons |= kOutline;
   return reasons;
 }
@@ -198,13 +200,12 @@ State Pipeline::state(std::uint32_t reasons) const {
   return state == State::Free && report_.lidar_is_nearer ? State::Unknown : state;
 }
 
-UnmatchedTexture Pipeline::unmatchedTexture() const {
-  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth()};
+UnmatchedTexture Pipeline::unmatchedTexture(const Box& box_C) const {
+  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth(), box_C};
 }
 
 /// Why the newest pair's matches are not enough to call a box free, by what is seen where the box is.
-std::uint32_t Pipeline::doubts(const Box& box_C) const {
-  if (depth_.matched_m.empty()) return 0;  // no pair yet: NO_DATA says so
+std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture) const {
   const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
   double least = disparity_.matched_fraction;
   for (const cv::Rect& section : crossSections(box_C, geometry_)) {
@@ -212,13 +213,13 @@ std::uint32_t Pipeline::doubts(const Box& box_C) const {
   }
   std::uint32_t reasons = 0;
   if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  if (!(unmatchedTexture().share(box_C) <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
+  if (!(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
   return reasons;
 }
 
 cv::Mat Pipeline::unmatched() const {
   if (depth_.matched_m.empty()) return cv::Mat::zeros(geometry_.size(), CV_32FC1);
-  return unmatchedTexture().image(boxInCamera());
+  return unmatchedTexture(boxInCamera()).image();
 }
 
 Verdict Pipeline::query(const Box& box) const {
@@ -230,10 +231,10 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
   verdict.reasons = reasonsOf(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
-  if (stateOf(verdict.reasons) != State::Blocked) {
-    verdict.reasons |= doubts(inCamera(box));
-  }
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
+  if (stateOf(verdict.reasons) != State::Blocked && !depth_.matched_m.empty()) {
+    verdict.reasons |= doubts(inCamera(box), unmatchedTexture(inCamera(box)));
+  }
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);
   return verdict;

@@ -81,7 +81,7 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const st
   row_cells_.resize(width);
   std::uint32_t* cells = row_cells_.data();
   const StereoGeometry geometry = geometry_;
-  const double band_px = config_.hit_band_px, thin_band_px = config_.thin_hit_band_px;
+  const double band_px = config_.hit_band_px;
   const auto max_range_m = static_cast<float>(config_.max_range_m);
   const double cells_per_m = 1.0 / config_.resolution_m;
   const Eigen::Vector3d at_first = T_M_C.linear().cast<double>() * geometry_.point(0, v, 1);
@@ -94,9 +94,7 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const st
   const float step_x = step[0], step_y = step[1], step_z = step[2];
   const float origin_x = origin[0], origin_y = origin[1], origin_z = origin[2];
   for (int u = 0; u < width; ++u) {
-    const float wall_m = geometry.shiftedDepth(depth_m[u], band_px);
-    const float thin_m = geometry.shiftedDepth(depth_m[u], thin_band_px);
-    const float hit_m = thin[u] != 0 ? thin_m : wall_m;
+    const float hit_m = geometry.shiftedDepth(depth_m[u], band_px);
     const float inside_m = std::min(max_range_m, hit_m);  // also of NaN
     const auto column = static_cast<float>(u);
     const auto x = static_cast<int>((first_x + step_x * column) * inside_m + origin_x);

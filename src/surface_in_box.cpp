@@ -17,12 +17,11 @@ constexpr double kUncertainShare = 0.15;  // of a surface's points that may be n
 }  // namespace
 
 SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m,
-                           const cv::Mat& thin, double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box)
+                           double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box)
     : config_(config),
       geometry_(geometry),
       hit_rule_(config, geometry.calibration()),
       depth_m_(depth_m),
-      thin_(thin),
       scale_sigma_(scale_sigma),
       T_M_C_(T_M_C),
       T_F_C_(box.T_M_F.inverse() * T_M_C),
@@ -52,9 +51,7 @@ bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
     for (int u = area.x; u < area.br().x; ++u) {
       const Eigen::Vector3d ray_C = geometry_.point(u, v, 1.0), ray = R_M_C * ray_C;
       const double depth_m = depth_m_.at<float>(v, u);
-      const bool is_thin = !thin_.empty() && thin_.at<std::uint8_t>(v, u) != 0;
-      const double band_px = is_thin ? config_.thin_hit_band_px : config_.hit_band_px;
-      const double hit_m = geometry_.shiftedDepth(depth_m, band_px);
+      const double hit_m = geometry_.shiftedDepth(depth_m, config_.hit_band_px);
       const bool is_hit = isInCell(ray * hit_m - centre), crosses = isInCell(ray * centre_C.z() - centre);
       rays += is_hit || crosses;
       hits += is_hit;

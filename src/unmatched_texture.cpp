@@ -5,7 +5,6 @@
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/window_matcher.hpp"
@@ -19,6 +18,7 @@ constexpr int kAround_px = 32;     // so far beside a gap, or a pixel of it, sur
 constexpr int kWitnesses = 2;      // neighbours that must lie on a surface on which a pixel fits
 constexpr double kSlack_px = 4.0;  // matching moves the edges of a gap
 constexpr double kScale = 0.9;     // smallest factor that the depth's scale may be wrong by
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 double sumOver(const cv::Mat& integral, const cv::Rect& area) {
   return integral.at<double>(area.br().y, area.br().x) - integral.at<double>(area.y, area.br().x) -
@@ -42,109 +42,161 @@ double farthestDepth(const Box& box_C) {
 
 }  // namespace
 
-UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
-                                   const cv::Mat& matched_m, double nearest_m)
-    : geometry_(geometry), pair_(pair), disparity_(disparity), matched_m_(matched_m.clone()), nearest_m_(nearest_m) {
-  if (!disparity.small.empty()) matched_m_.setTo(std::numeric_limits<float>::quiet_NaN(), disparity.small);
-}
+/// Asks of each pixel of a row in turn where its content fits. One thread's.
+class UnmatchedTexture::Search {
+ public:
+  Search(const StereoGeometry& geometry, const cv::Mat& matched_m, const WindowMatcher& matcher, double nearest_m,
+         double farthest_m)
+      : geometry_(geometry),
+        matched_m_(matched_m),
+        matcher_(matcher),
+        farthest_m_(farthest_m),
+        farthest_px_(matcherDisparity(kScale * geometry.disparity(farthest_m))),
+        nearest_px_(matcherDisparity(geometry.disparity(nearest_m))) {}
 
-double UnmatchedTexture::share(const Box& box_C) const {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry_);
-  const cv::Rect all = hull(views);
-  if (all.empty()) return 0.0;
-  cv::Mat texture_sum, unmatched_sum;
-  cv::integral(disparity_.texture(all), texture_sum, CV_64F);
-  cv::integral(unmatched(all, farthestDepth(box_C)), unmatched_sum, CV_64F);
-  double largest = 0.0;
-  for (const cv::Rect& view : views) {
-    const cv::Rect area = view - all.tl();
-    const double texture = std::max(sumOver(texture_sum, area), disparity_.least_texture * area.area());
-    if (texture > 0.0) largest = std::max(largest, sumOver(unmatched_sum, area) / texture);
+  /// Runs of a row's pixels without a match whose content the right camera should see.
+  template <class Work>
+  void forEachGap(int v, const Work& work) const {
+    const auto* depth_m = matched_m_.ptr<float>(v);
+    for (int first = 0; first < matched_m_.cols; ++first) {
+      if (!std::isnan(depth_m[first])) continue;
+      int end = first + 1;
+      while (end < matched_m_.cols && std::isnan(depth_m[end])) ++end;
+      if (!isHidden(depth_m, first, end)) work(first, end);
+      first = end;
+    }
   }
-  return largest;
-}
 
-cv::Mat UnmatchedTexture::image(const Box& box_C) const {
-  cv::Mat image = cv::Mat::zeros(geometry_.size(), CV_32FC1);
-  const cv::Rect all = hull(crossSections(box_C, geometry_));
-  if (!all.empty()) unmatched(all, farthestDepth(box_C)).copyTo(image(all));
-  return image;
-}
+  float correlationInBox(int u, int v) { return matcher_.correlation(u, v, farthest_px_, nearest_px_, scratch_); }
 
-/// Texture of an area where it is unmatched, elsewhere 0.
-cv::Mat UnmatchedTexture::unmatched(const cv::Rect& area, double farthest_m) const {
-  const WindowMatcher matcher(pair_.left, pair_.right, {area.y, area.br().y});
-  const int farthest_px = matcherDisparity(kScale * geometry_.disparity(farthest_m));
-  const int nearest_px = matcherDisparity(geometry_.disparity(nearest_m_));
-  cv::Mat unmatched = cv::Mat::zeros(area.size(), CV_32FC1);
-  cv::parallel_for_({area.y, area.br().y}, [&](const cv::Range& rows) {
-    std::vector<float> scratch;
+  struct Fit {
+    float depth_m = kNoDepth;
+    float correlation = -1.0f;
+  };
+
+  /// On the nearest of the surfaces around that lie behind the box, if at least two of the matches next to the pixel
+  /// are of such surfaces.
+  Fit behind(int u, int v) {
+    Fit fit;
+    int witnesses = 0, surface_px = 0;
+    float correlation = -1.0f;
+    for (const float depth_m : depthsAround(u, v)) {
+      if (!(depth_m * kScale > farthest_m_)) continue;
+      const int next_px = matcherDisparity(geometry_.disparity(depth_m));
+      if (correlation == -1.0f || next_px != surface_px) {
+        surface_px = next_px;
+        correlation = correlationAt(u, v, surface_px);
+      }
+      if (correlation < WindowMatcher::kFits) continue;
+      ++witnesses;
+      fit.correlation = std::max(fit.correlation, correlation);
+      fit.depth_m = std::fmin(fit.depth_m, depth_m);
+    }
+    return witnesses >= kWitnesses ? fit : Fit();
+  }
+
+ private:
+  /// Whether the right camera does not see what is in a gap: it is background behind the nearer surface on the gap's
+  /// right, which hides as many columns as its disparity is larger, or lies beside that camera's image, on the left.
+  bool isHidden(const float* depth_m, int first, int end) const {
+    if (end == matched_m_.cols) return false;
+    float background_m = first > 0 ? 0.0f : std::numeric_limits<float>::infinity();
+    for (int u = std::max(first - kAround_px, 0); u < std::min(end + kAround_px, matched_m_.cols); ++u) {
+      if (depth_m[u] > background_m) background_m = depth_m[u];
+    }
+    return geometry_.disparity(depth_m[end]) - geometry_.disparity(background_m) >= end - first - kSlack_px;
+  }
+
+  /// In whole pixels of the images, principal-point difference included.
+  int matcherDisparity(double disparity_px) const {
+    const double largest_px = matched_m_.cols;
+    return static_cast<int>(std::floor(std::min(disparity_px, largest_px) + geometry_.principalPointDifference()));
+  }
+
+  /// Of the next matches to eight sides of a pixel; NaN where there is none.
+  std::array<float, 8> depthsAround(int u, int v) const {
+    const auto next = [&](int du, int dv) {
+      for (int step = 1; step <= kAround_px; ++step) {
+        const cv::Point at(u + step * du, v + step * dv);
+        if (!cv::Rect({}, matched_m_.size()).contains(at)) break;
+        if (const float depth_m = matched_m_.at<float>(at); !std::isnan(depth_m)) return depth_m;
+      }
+      return kNoDepth;
+    };
+    return {next(-1, 0), next(1, 0), next(0, -1), next(0, 1), next(-1, -1), next(1, -1), next(-1, 1), next(1, 1)};
+  }
+
+  /// Of the best of three windows that hold a pixel, in the middle and at either end: beside a picket one of them shows
+  /// no other surface (Fusiello, Roberto and Trucco 1997).
+  float correlationAt(int u, int v, int surface_px) {
+    float best = -1.0f;
+    for (const int shift : {0, -WindowMatcher::kReach_px, WindowMatcher::kReach_px}) {
+      best = std::max(best, matcher_.correlation(u + shift, v, surface_px, surface_px + 1, scratch_));
+    }
+    return best;
+  }
+
+  const StereoGeometry& geometry_;
+  const cv::Mat& matched_m_;
+  const WindowMatcher& matcher_;
+  double farthest_m_;
+  int farthest_px_, nearest_px_;
+  std::vector<float> scratch_;
+};
+
+UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
+                                   const cv::Mat& matched_m, double nearest_m, const Box& box_C)
+    : size_(geometry.size()) {
+  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
+  area_ = hull(views);
+  if (area_.empty()) return;
+  cv::Mat broad_m = matched_m;
+  if (!disparity.small.empty()) {
+    broad_m = matched_m.clone();
+    broad_m.setTo(kNoDepth, disparity.small);
+  }
+  unmatched_ = cv::Mat::zeros(area_.size(), CV_32FC1);
+  behind_m_ = cv::Mat(area_.size(), CV_32FC1, cv::Scalar(kNoDepth));
+  const WindowMatcher matcher(pair.left, pair.right, {area_.y, area_.br().y});
+  cv::parallel_for_({area_.y, area_.br().y}, [&](const cv::Range& rows) {
+    Search search(geometry, broad_m, matcher, nearest_m, farthestDepth(box_C));
     for (int v = rows.start; v < rows.end; ++v) {
-      const auto* texture = disparity_.texture.ptr<float>(v);
-      auto* out = unmatched.ptr<float>(v - area.y);
-      const auto fitsBehind = [&](int u) {
-        const std::array<float, 4> around_m = depthsAround(u, v);
-        const auto fitting = std::count_if(around_m.begin(), around_m.end(), [&](float depth_m) {
-          if (!(depth_m * kScale > farthest_m)) return false;
-          const int surface_px = matcherDisparity(geometry_.disparity(depth_m));
-          return matcher.fits(u, v, surface_px, surface_px + 1, scratch);
-        });
-        return fitting >= kWitnesses;
-      };
-      forEachGap(v, [&](int first, int end) {
-        for (int u = std::max(first, area.x); u < std::min(end, area.br().x); ++u) {
-          const bool is_clear = texture[u] >= kClear * disparity_.least_texture;
-          if (is_clear && matcher.fits(u, v, farthest_px, nearest_px, scratch) && !fitsBehind(u)) {
-            out[u - area.x] = texture[u];
-          }
+      const auto* texture = disparity.texture.ptr<float>(v);
+      auto* unmatched = unmatched_.ptr<float>(v - area_.y) - area_.x;
+      auto* behind_m = behind_m_.ptr<float>(v - area_.y) - area_.x;
+      search.forEachGap(v, [&](int first, int end) {
+        for (int u = std::max(first, area_.x); u < std::min(end, area_.br().x); ++u) {
+          if (!(texture[u] >= disparity.least_texture)) continue;
+          const auto behind = search.behind(u, v);
+          const bool is_behind = !std::isnan(behind.depth_m);
+          if (!is_behind && texture[u] < kClear * disparity.least_texture) continue;
+          const float in_box = search.correlationInBox(u, v);
+          if (is_behind && behind.correlation >= in_box) behind_m[u] = behind.depth_m;
+          if (!is_behind && in_box >= WindowMatcher::kFits) unmatched[u] = texture[u];
         }
       });
     }
   });
-  return unmatched;
-}
-
-/// In whole pixels of the images, principal-point difference included.
-int UnmatchedTexture::matcherDisparity(double disparity_px) const {
-  const double largest_px = matched_m_.cols;
-  return static_cast<int>(std::floor(std::min(disparity_px, largest_px) + geometry_.principalPointDifference()));
-}
-
-/// Of the next matches to the left and right of a pixel, above and below; NaN where there is none.
-std::array<float, 4> UnmatchedTexture::depthsAround(int u, int v) const {
-  const auto next = [&](int du, int dv) {
-    for (int step = 1; step <= kAround_px; ++step) {
-      const cv::Point at(u + step * du, v + step * dv);
-      if (!cv::Rect({}, matched_m_.size()).contains(at)) break;
-      if (const float depth_m = matched_m_.at<float>(at); !std::isnan(depth_m)) return depth_m;
-    }
-    return std::numeric_limits<float>::quiet_NaN();
-  };
-  return {next(-1, 0), next(1, 0), next(0, -1), next(0, 1)};
-}
-
-/// Runs of a row's pixels without a match whose content the right camera should see.
-template <class Work>
-void UnmatchedTexture::forEachGap(int v, const Work& work) const {
-  const auto* depth_m = matched_m_.ptr<float>(v);
-  for (int first = 0; first < matched_m_.cols; ++first) {
-    if (!std::isnan(depth_m[first])) continue;
-    int end = first + 1;
-    while (end < matched_m_.cols && std::isnan(depth_m[end])) ++end;
-    if (!isHidden(depth_m, first, end)) work(first, end);
-    first = end;
+  cv::Mat texture_sum, unmatched_sum;
+  cv::integral(disparity.texture(area_), texture_sum, CV_64F);
+  cv::integral(unmatched_, unmatched_sum, CV_64F);
+  for (const cv::Rect& view : views) {
+    const cv::Rect area = view - area_.tl();
+    const double texture = std::max(sumOver(texture_sum, area), disparity.least_texture * area.area());
+    if (texture > 0.0) share_ = std::max(share_, sumOver(unmatched_sum, area) / texture);
   }
 }
 
-/// Whether the right camera does not see what is in a gap: it is background behind the nearer surface on the gap's
-/// right, which hides as many columns as its disparity is larger, or lies beside that camera's image, on the left.
-bool UnmatchedTexture::isHidden(const float* depth_m, int first, int end) const {
-  if (end == matched_m_.cols) return false;
-  float background_m = first > 0 ? 0.0f : std::numeric_limits<float>::infinity();
-  for (int u = std::max(first - kAround_px, 0); u < std::min(end + kAround_px, matched_m_.cols); ++u) {
-    if (depth_m[u] > background_m) background_m = depth_m[u];
-  }
-  return geometry_.disparity(depth_m[end]) - geometry_.disparity(background_m) >= end - first - kSlack_px;
+cv::Mat UnmatchedTexture::image() const {
+  cv::Mat image = cv::Mat::zeros(size_, CV_32FC1);
+  if (!area_.empty()) unmatched_.copyTo(image(area_));
+  return image;
+}
+
+void UnmatchedTexture::fill(cv::Mat& depth_m) const {
+  if (area_.empty()) return;
+  cv::Mat area_m = depth_m(area_);
+  behind_m_.copyTo(area_m, ~(area_m == area_m));  // NaN != NaN is false in OpenCV's vector code
 }
 
 }  // namespace flight_corridor

@@ -9,10 +9,8 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kReach_px = 2;  // of the window, from its centre
-constexpr int kWindow_px = 2 * kReach_px + 1;
+constexpr int kWindow_px = 2 * WindowMatcher::kReach_px + 1;
 constexpr int kWindowArea_px = kWindow_px * kWindow_px;
-constexpr float kCorrelation = 0.85f;   // of windows that fit
 constexpr float kLeastContrast = 1.0f;  // [grey] of a window, to be divided by
 
 }  // namespace
@@ -28,11 +26,11 @@ WindowMatcher::WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Rang
   cv::sqrt(cv::max(mean_of_squares - mean.mul(mean), kLeastContrast * kLeastContrast), contrast_);
 }
 
-bool WindowMatcher::fits(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const {
+float WindowMatcher::correlation(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const {
   v -= first_row_;
-  if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return false;
+  if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return -1.0f;
   const int first = std::max(u - last_px, kReach_px), last = std::min(u - first_px, right_.cols - 1 - kReach_px);
-  if (last < first) return false;
+  if (last < first) return -1.0f;
   float window[kWindowArea_px];
   const float contrast = centredWindow(u, v, window);
   scratch.assign(last - first + 1, 0.0f);  // covariances
@@ -41,11 +39,9 @@ bool WindowMatcher::fits(int u, int v, int first_px, int last_px, std::vector<fl
     for (std::size_t k = 0; k < scratch.size(); ++k) scratch[k] += window[i] * right[k];
   }
   const float* contrasts = contrast_.ptr<float>(v) + first;
-  const float least = kCorrelation * kWindowArea_px * std::max(contrast, kLeastContrast);
-  for (std::size_t k = 0; k < scratch.size(); ++k) {
-    if (scratch[k] >= least * contrasts[k]) return true;
-  }
-  return false;
+  float best = -1.0f;
+  for (std::size_t k = 0; k < scratch.size(); ++k) best = std::max(best, scratch[k] / contrasts[k]);
+  return best / (kWindowArea_px * std::max(contrast, kLeastContrast));
 }
 
 /// A window of the left image less its mean.  @return its standard deviation.

@@ -37,30 +37,8 @@ TEST(PointCounter, CountsEveryPointWithinTheRange) {
   EXPECT_EQ(pointsAt(kNaN, Eigen::Isometry3d::Identity()), 0u);
 }
 
-TEST(PointCounter, ThinThingsAreTakenToBeNearer) {
-  MapConfig config;
-  config.thin_hit_band_px = 0.5;
-  const double depth_m = 4.15;
-  ASSERT_GT(kGeometry.shiftedDepth(depth_m, config.hit_band_px), 4.0);
-  ASSERT_LT(kGeometry.shiftedDepth(depth_m, config.thin_hit_band_px), 4.0);
-  PointCounter counter(config, kGeometry);
-  cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
-  thin.row(50).setTo(255);
-  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), thin, Eigen::Isometry3d::Identity());
-  std::uint32_t before_4_m = 0;
-  for (const CellCounts::Cube& cube : counter.cubes()) {
-    for (int i = 0; i < 8; ++i) {
-      const int z = counter.lowestCell(cube)[2] + (i >> 2) - 32768;
-      if (z * config.resolution_m < 3.95) before_4_m += cube.counts[i];
-    }
-  }
-  EXPECT_EQ(before_4_m, static_cast<std::uint32_t>(thin.cols));
-}
-
 TEST(PointCounter, ThinPointsAreCountedInTheSameCellsAndAmongTheirPointsToo) {
-  MapConfig config = withoutHitBand();
-  config.thin_hit_band_px = 0.0;
-  PointCounter counter(config, kGeometry), plain(config, kGeometry);
+  PointCounter counter(withoutHitBand(), kGeometry), plain(withoutHitBand(), kGeometry);
   cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
   for (int u = 0; u < thin.cols; u += 3) thin.col(u).setTo(255);
   const cv::Mat depth_m = test_support::wallDepth(kGeometry.size(), 4.05);

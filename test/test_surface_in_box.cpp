@@ -35,7 +35,7 @@ cv::Mat strip(float depth_m, double left_m, double right_m) {
 }
 
 double begin(const cv::Mat& depth_m, const Eigen::Vector3d& cell_centre_C, double scale_sigma = 0.0) {
-  SurfaceInBox surface(MapConfig(), kGeometry, depth_m, {}, scale_sigma, kHere, corridor(kHere));
+  SurfaceInBox surface(MapConfig(), kGeometry, depth_m, scale_sigma, kHere, corridor(kHere));
   return surface.begin(cell_centre_C, kNear_m);
 }
 
@@ -54,17 +54,6 @@ TEST(SurfaceInBox, SurfacesThatReachIntoTheBoxAreInIt) {
 
 TEST(SurfaceInBox, SurfacesThatAnErrorOfTheirEdgeMayHaveMovedOutAreInIt) {
   EXPECT_NEAR(begin(strip(3.06f, 0.63, 1.0), kBesideRight_C), 3.06, 1e-6);
-}
-
-TEST(SurfaceInBox, AThinThingJustBehindTheEndMayBeInTheBox) {
-  constexpr float kBehind_m = 4.08f;
-  const Eigen::Vector3d last_cell_C(0.05, 0.05, 3.95);
-  const cv::Mat pole = strip(kBehind_m, 0.0, 0.1), thin(kGeometry.size(), CV_8U, cv::Scalar(255));
-  const auto begin_of = [&](const cv::Mat& which) {
-    return SurfaceInBox(MapConfig(), kGeometry, pole, which, 0.0, kHere, corridor(kHere)).begin(last_cell_C, 3.9);
-  };
-  EXPECT_EQ(begin_of(thin), 4.0);  // as far as the box reaches
-  EXPECT_EQ(begin_of({}), kInfinity);
 }
 
 TEST(SurfaceInBox, AFewNearerPointsAreNoise) {
@@ -116,7 +105,7 @@ TEST(SurfaceInBox, MovingMapAndCameraTogetherKeepsTheAnswer) {
   T_M_C.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   for (const double left_m : {0.57, 0.66}) {
     const cv::Mat depth_m = strip(3.06f, left_m, 1.0);
-    SurfaceInBox surface(MapConfig(), kGeometry, depth_m, {}, 0.0, T_M_C, corridor(T_M_C));
+    SurfaceInBox surface(MapConfig(), kGeometry, depth_m, 0.0, T_M_C, corridor(T_M_C));
     const double here_m = begin(depth_m, kBesideRight_C), there_m = surface.begin(T_M_C * kBesideRight_C, kNear_m);
     EXPECT_EQ(std::isfinite(there_m), std::isfinite(here_m)) << left_m;
     EXPECT_FALSE(std::abs(there_m - here_m) > 1e-6) << left_m;

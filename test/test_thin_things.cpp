@@ -8,7 +8,7 @@ namespace flight_corridor {
 namespace {
 
 const StereoGeometry kGeometry(test_support::smallCalibration());
-constexpr double kBand_px = 0.3;
+constexpr double kBand_px = 0.12;
 const Box kBox = Corridor(CorridorConfig()).box(opticalFromForward());
 
 /// A thin level run of pixels ahead at one depth, all else far away and neither.

@@ -55,11 +55,19 @@ StereoFrame pairWithDisparity(int disparity_px) {
 
 const int kInTheBox_px = static_cast<int>(std::lround(kGeometry.disparity(2.0)));
 const int kBehindTheBox_px = static_cast<int>(std::lround(kGeometry.disparity(6.0)));
+const int kFar_px = static_cast<int>(std::floor(kGeometry.disparity(kFar_m)));
 constexpr double kNearest_m = 0.4;
 
 double share(const cv::Mat& depth_m, const Disparity& disparity = evenTexture(kClearTexture),
              const Box& box_C = corridor(), const StereoFrame& pair = pairWithDisparity(kInTheBox_px)) {
-  return UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m).share(box_C);
+  return UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m, box_C).share();
+}
+
+/// A depth image with a gap in its middle row, filled.
+cv::Mat filled(const StereoFrame& pair, const cv::Mat& matched_m, float texture = kClearTexture) {
+  cv::Mat depth_m = matched_m.clone();
+  UnmatchedTexture(kGeometry, pair, evenTexture(texture), matched_m, kNearest_m, corridor()).fill(depth_m);
+  return depth_m.row(kGeometry.size().height / 2);
 }
 
 int widthAtTheEnd() {
@@ -76,7 +84,7 @@ TEST(UnmatchedTexture, ItsImageShowsTheGapInTheViews) {
   const StereoFrame pair = pairWithDisparity(kInTheBox_px);
   const Disparity disparity = evenTexture(kClearTexture);
   const cv::Mat depth_m = wallWithGap(kMiddle, 12);
-  const cv::Mat image = UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m).image(corridor());
+  const cv::Mat image = UnmatchedTexture(kGeometry, pair, disparity, depth_m, kNearest_m, corridor()).image();
   const int row = kGeometry.size().height / 2;
   ASSERT_EQ(image.size(), kGeometry.size());
   EXPECT_EQ(cv::countNonZero(image.row(row) == kClearTexture), 12);
@@ -92,10 +100,9 @@ TEST(UnmatchedTexture, WhatWouldNotFitInTheBoxIsNoSign) {
 
 TEST(UnmatchedTexture, WhatFitsOnASurfaceBesideItAndBehindTheBoxTooIsNoSign) {
   constexpr int kGap_px = 12;
-  const int far_px = static_cast<int>(std::floor(kGeometry.disparity(kFar_m)));
   StereoFrame pair = pairWithDisparity(kInTheBox_px);
   const cv::Range gap(kMiddle - 2, kMiddle + kGap_px + 2);  // with what its windows reach
-  pair.left.colRange(gap).copyTo(pair.right.colRange(gap.start - far_px, gap.end - far_px));
+  pair.left.colRange(gap).copyTo(pair.right.colRange(gap.start - kFar_px, gap.end - kFar_px));
   const cv::Mat depth_m = wallWithGap(kMiddle, kGap_px);
   EXPECT_EQ(share(depth_m, evenTexture(kClearTexture), corridor(), pair), 0.0);
 
@@ -105,6 +112,65 @@ TEST(UnmatchedTexture, WhatFitsOnASurfaceBesideItAndBehindTheBoxTooIsNoSign) {
   cv::Mat within_m = depth_m.clone();
   within_m.setTo(kGeometry.depth(kInTheBox_px), within_m == kFar_m);
   EXPECT_GT(share(within_m, evenTexture(kClearTexture), corridor(), pair), 0.0) << "it fits on one in the box";
+}
+
+TEST(UnmatchedTexture, WhatFitsOnTheSurfaceAroundItBehindTheBoxFillsIt) {
+  const cv::Mat matched_m = wallWithGap(kMiddle, 12);
+  EXPECT_EQ(cv::countNonZero(filled(pairWithDisparity(kFar_px), matched_m) == kFar_m), kGeometry.size().width);
+  EXPECT_EQ(cv::countNonZero(filled(pairWithDisparity(kFar_px), matched_m, 1.1f * kLeastTexture) == kFar_m),
+            kGeometry.size().width)
+      << "little texture is enough";
+  for (const int other_px : {kInTheBox_px, kBehindTheBox_px}) {
+    const cv::Mat depth_m = filled(pairWithDisparity(other_px), matched_m);
+    EXPECT_EQ(cv::countNonZero(depth_m == kFar_m), kGeometry.size().width - 12) << other_px;
+  }
+  EXPECT_EQ(cv::countNonZero(filled(pairWithDisparity(kFar_px), matched_m, 0.9f * kLeastTexture) == kFar_m),
+            kGeometry.size().width - 12)
+      << "none is not";
+}
+
+TEST(UnmatchedTexture, WhatHasADepthKeepsIt) {
+  const cv::Mat matched_m = wallWithGap(kMiddle, 12);
+  cv::Mat depth_m = matched_m.clone();
+  depth_m.colRange(kMiddle, kMiddle + 3).setTo(5.0f);
+  UnmatchedTexture(kGeometry, pairWithDisparity(kFar_px), evenTexture(kClearTexture), matched_m, kNearest_m, corridor())
+      .fill(depth_m);
+  const cv::Mat row = depth_m.row(kGeometry.size().height / 2);
+  EXPECT_EQ(cv::countNonZero(row == 5.0f), 3);
+  EXPECT_EQ(cv::countNonZero(row == kFar_m), row.cols - 3);
+}
+
+TEST(UnmatchedTexture, WhatFitsBetterInTheBoxFillsNothing) {
+  const cv::Range gap(kMiddle, kMiddle + 8), windows(kMiddle - 4, kMiddle + 12);
+  const auto with = [&](int exact_px, int noisy_px) {  // the gap's content twice on the right image
+    StereoFrame pair = pairWithDisparity(exact_px);
+    cv::Mat noise(pair.left.rows, windows.size(), CV_16SC1), noisy;
+    cv::RNG(9).fill(noise, cv::RNG::UNIFORM, -40, 40);
+    cv::add(pair.left.colRange(windows), noise, noisy, cv::noArray(), CV_8U);
+    noisy.copyTo(pair.right.colRange(windows.start - noisy_px, windows.end - noisy_px));
+    return filled(pair, wallWithGap(gap.start, gap.size())).colRange(gap).clone();
+  };
+  EXPECT_EQ(cv::countNonZero(with(kFar_px, kInTheBox_px) == kFar_m), 8);
+  EXPECT_EQ(cv::countNonZero(with(kInTheBox_px, kFar_px) == kFar_m), 0);
+}
+
+TEST(UnmatchedTexture, BesideAnEdgeWindowsThatShowOneSurfaceDecide) {
+  StereoFrame pair = pairWithDisparity(kFar_px);
+  cv::Mat other = pair.right.colRange(kMiddle - kFar_px, pair.right.cols);  // right of the edge nothing fits
+  cv::RNG(9).fill(other, cv::RNG::UNIFORM, 0, 256);
+  const cv::Mat gap_m = filled(pair, wallWithGap(kMiddle - 6, 12)).colRange(kMiddle - 6, kMiddle + 6);
+  EXPECT_EQ(cv::countNonZero(gap_m.colRange(0, 6) == kFar_m), 6) << "up to the edge";
+  EXPECT_EQ(cv::countNonZero(gap_m.colRange(7, 12) == kFar_m), 0) << "a pixel beyond at the most";
+}
+
+TEST(UnmatchedTexture, TwoOfTheMatchesToEightSidesAreEnoughOneIsNot) {
+  const StereoFrame pair = pairWithDisparity(kFar_px);
+  const int row = kGeometry.size().height / 2;
+  cv::Mat matched_m(kGeometry.size(), CV_32FC1, cv::Scalar(kNothing));
+  matched_m.at<float>(row - 10, kMiddle - 10) = kFar_m;
+  EXPECT_TRUE(std::isnan(filled(pair, matched_m).at<float>(kMiddle)));
+  matched_m.at<float>(row + 10, kMiddle - 10) = kFar_m;
+  EXPECT_EQ(filled(pair, matched_m).at<float>(kMiddle), kFar_m);
 }
 
 TEST(UnmatchedTexture, FitsWhateverTheExposures) {
@@ -170,8 +236,8 @@ TEST(UnmatchedTexture, WindowsAreFoundBesideDifferentPrincipalPoints) {
   const StereoGeometry geometry(calibration);
   const auto share = [&](int disparity_px) {
     return UnmatchedTexture(geometry, pairWithDisparity(disparity_px), evenTexture(kClearTexture),
-                            wallWithGap(kMiddle, 12), kNearest_m)
-        .share(corridor());
+                            wallWithGap(kMiddle, 12), kNearest_m, corridor())
+        .share();
   };
   EXPECT_GT(share(kInTheBox_px + kDifference_px), 0.0);
   EXPECT_EQ(share(kBehindTheBox_px + kDifference_px), 0.0);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -41,6 +42,16 @@ TEST(WindowMatcher, LooksAtBothEndsOfTheRange) {
   EXPECT_TRUE(fits(kU, kV, kShift_px - 5, kShift_px));
   EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px + 5));
   EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px - 1)) << "an empty range";
+}
+
+TEST(WindowMatcher, TellsTheBestCorrelationOfTheRange) {
+  const Pair pair;
+  const WindowMatcher matcher(pair.left, pair.right, {0, 40});
+  std::vector<float> scratch;
+  EXPECT_NEAR(matcher.correlation(kU, kV, kShift_px, kShift_px, scratch), 1.0, 0.01);
+  EXPECT_EQ(matcher.correlation(kU, kV, 0, 40, scratch), matcher.correlation(kU, kV, kShift_px, kShift_px, scratch));
+  EXPECT_LT(std::abs(matcher.correlation(kU, kV, 3, 3, scratch)), 0.6) << "noise on other noise";
+  EXPECT_EQ(matcher.correlation(99, kV, 0, 40, scratch), -1.0f) << "not whole";
 }
 
 TEST(WindowMatcher, IsTheSameForSomeOfTheRows) {

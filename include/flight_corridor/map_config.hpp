@@ -13,7 +13,6 @@ struct MapConfig {
   double hit_fraction = 0.15;     ///< A cell is hit by this share of the points that a full face would show there.
   int min_hit_points = 4;         ///< ... and by no fewer points than these.
   double hit_band_px = 0.12;      ///< Surfaces are taken to be nearer by this much disparity: a match's error.
-  double thin_hit_band_px = 0.3;  ///< ... thin things by this much: what is around draws their matches to itself.
   double free_band_px = 0.5;      ///< Space within this much disparity before a surface is not cleared.
   double min_ray_fraction = 0.4;  ///< Share of a cell's view that must hold depth, all past the cell, to clear it.
   double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.

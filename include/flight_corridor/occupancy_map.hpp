@@ -29,7 +29,7 @@ class OccupancyMap {
   /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
   /// @param clears false: hits alone, for an image that may have lost something.
-  /// @param thin CV_8U of that size, not 0 where thin_hit_band_px holds instead of hit_band_px; empty: nowhere.
+  /// @param thin CV_8U of that size, not 0 where a point is of a thin thing; empty: nowhere.
   void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true,
               const cv::Mat& thin = cv::Mat());
 

@@ -108,8 +108,8 @@ class Pipeline {
   Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
   State state(std::uint32_t reasons) const;
   bool isTrusted() const;
-  UnmatchedTexture unmatchedTexture() const;
-  std::uint32_t doubts(const Box& box_C) const;
+  UnmatchedTexture unmatchedTexture(const Box& box_C) const;
+  std::uint32_t doubts(const Box& box_C, const UnmatchedTexture& texture) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

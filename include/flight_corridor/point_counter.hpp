@@ -19,7 +19,7 @@ class PointCounter {
 
   /// Counts anew. Points beyond max_range_m are left out; all are where the camera is outside of what an octree holds.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no point. Taken to be nearer by hit_band_px.
-  /// @param thin CV_8U of that size, not 0: by thin_hit_band_px, and counted as thin; empty: none is.
+  /// @param thin CV_8U of that size, not 0: counted as thin, too; empty: none is.
   void count(const cv::Mat& depth_m, const cv::Mat& thin, const Eigen::Isometry3d& T_M_C);
 
   /// By cubes of eight cells.

@@ -16,10 +16,9 @@ class SurfaceInBox {
  public:
   /// @param config of the map whose cells are asked for: a hit is the same here and there.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = nothing; shared, not copied.
-  /// @param thin CV_8U of that size or empty, shared: as inserted into the map.
   /// @param scale_sigma one sigma of the depth's scale [-]; NaN or infinite: whole cells block.
-  SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m, const cv::Mat& thin,
-               double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box);
+  SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m, double scale_sigma,
+               const Eigen::Isometry3d& T_M_C, const Box& box);
 
   /// Where along the box's axis [m] the surface begins that fills an occupied cell, its nearest points left out as
   /// noise.
@@ -37,7 +36,7 @@ class SurfaceInBox {
   MapConfig config_;
   StereoGeometry geometry_;
   HitRule hit_rule_;
-  cv::Mat depth_m_, thin_;
+  cv::Mat depth_m_;
   double scale_sigma_;
   Eigen::Isometry3d T_M_C_, T_F_C_;
   Eigen::Vector3d box_size_m_, cell_reach_C_;  // half extents of the box square to C around a cell

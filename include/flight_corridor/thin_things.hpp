@@ -13,8 +13,8 @@ namespace flight_corridor {
 /// branches were matched no more than 1 px too far.
 /// @param box_C the box in C.
 /// @param depth_m CV_32FC1 of geometry.size(), of the disparity's matches, NaN = nothing.
-/// @param band_px disparity by which the map takes thin things to be nearer: those that this brings into the box are
-/// judged there.
+/// @param band_px disparity by which the map takes all things to be nearer: what this brings into the box is judged
+/// there.
 bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity& disparity,
                       const StereoGeometry& geometry, double band_px);
 

@@ -5,17 +5,23 @@
 
 namespace flight_corridor {
 
-/// Whether a small window of the left image fits on one of the right image's, within a range of disparities, by
+/// How well a small window of the left image fits on one of the right image's, within a range of disparities, by
 /// normalised cross-correlation: whatever the exposures. A view of the left image; many threads may ask it.
 class WindowMatcher {
  public:
+  static constexpr int kReach_px = 2;    ///< Of a window, from its centre.
+  static constexpr float kFits = 0.85f;  ///< Least correlation of windows that fit.
   /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.
   WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows);
 
   /// @param first_px, last_px disparities, principal-point difference included.
   /// @param scratch of the calling thread.
-  /// @return false also where the window is not whole on both images.
-  bool fits(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const;
+  /// @return the best correlation; -1 also where the window is not whole on both images.
+  float correlation(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const;
+
+  bool fits(int u, int v, int first_px, int last_px, std::vector<float>& scratch) const {
+    return correlation(u, v, first_px, last_px, scratch) >= kFits;
+  }
 
  private:
   float centredWindow(int u, int v, float* window) const;

@@ -72,7 +72,6 @@ Fields bind(flight_corridor::MapConfig& c) {
           {"hit_fraction", &c.hit_fraction},
           {"min_hit_points", &c.min_hit_points},
           {"hit_band_px", &c.hit_band_px},
-          {"thin_hit_band_px", &c.thin_hit_band_px},
           {"free_band_px", &c.free_band_px},
           {"min_ray_fraction", &c.min_ray_fraction},
           {"log_odds_hit", &c.log_odds_hit},
