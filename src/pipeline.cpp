@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/hidden_things.hpp"
 #include "flight_corridor/thin_things.hpp"
 
 namespace flight_corridor {
@@ -183,15 +184,17 @@ void Pipeline::decide() {
   verdict.state = state(verdict.reasons);
 }
 
-/// What the map says of a box, and the newest image's thin things.
+/// What the map says of a box, and the newest image of things that the map does not hold.
 std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const {
   std::uint32_t reasons = 0;
   if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
-  const bool may_hold_thin =
-      mayHoldThinThing(inCamera(box_M), depth_.matched_m, disparity_, geometry_, config_.map.hit_band_px);
-  if (may_hold_thin || map_.showsOutline(box_M)) reasons |= kOutline;
+  const Box box_C = inCamera(box_M);
+  if (map_.showsOutline(box_M) || mayHideThing(box_C, depth_.filled_m, disparity_, geometry_) ||
+      mayHoldThinThing(box_C, depth_.matched_m, disparity_, geometry_, config_.map.hit_band_px)) {
+    reasons |= kOutline;
+  }
   return reasons;
 }
 

@@ -20,11 +20,6 @@ constexpr double kSlack_px = 4.0;  // matching moves the edges of a gap
 constexpr double kScale = 0.9;     // smallest factor that the depth's scale may be wrong by
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
-double sumOver(const cv::Mat& integral, const cv::Rect& area) {
-  return integral.at<double>(area.br().y, area.br().x) - integral.at<double>(area.y, area.br().x) -
-         integral.at<double>(area.br().y, area.x) + integral.at<double>(area.y, area.x);
-}
-
 cv::Rect hull(const std::vector<cv::Rect>& areas) {
   cv::Rect hull;
   for (const cv::Rect& area : areas) hull |= area;
@@ -150,41 +145,36 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
   const std::vector<cv::Rect> views = crossSections(box_C, geometry);
   area_ = hull(views);
   if (area_.empty()) return;
-  cv::Mat broad_m = matched_m;
-  if (!disparity.small.empty()) {
-    broad_m = matched_m.clone();
-    broad_m.setTo(kNoDepth, disparity.small);
-  }
   unmatched_ = cv::Mat::zeros(area_.size(), CV_32FC1);
   behind_m_ = cv::Mat(area_.size(), CV_32FC1, cv::Scalar(kNoDepth));
+  cv::Mat broad_m = matched_m.clone();
+  if (!disparity.small.empty()) broad_m.setTo(kNoDepth, disparity.small);
   const WindowMatcher matcher(pair.left, pair.right, {area_.y, area_.br().y});
   cv::parallel_for_({area_.y, area_.br().y}, [&](const cv::Range& rows) {
     Search search(geometry, broad_m, matcher, nearest_m, farthestDepth(box_C));
     for (int v = rows.start; v < rows.end; ++v) {
-      const auto* texture = disparity.texture.ptr<float>(v);
-      auto* unmatched = unmatched_.ptr<float>(v - area_.y) - area_.x;
-      auto* behind_m = behind_m_.ptr<float>(v - area_.y) - area_.x;
       search.forEachGap(v, [&](int first, int end) {
-        for (int u = std::max(first, area_.x); u < std::min(end, area_.br().x); ++u) {
-          if (!(texture[u] >= disparity.least_texture)) continue;
-          const auto behind = search.behind(u, v);
-          const bool is_behind = !std::isnan(behind.depth_m);
-          if (!is_behind && texture[u] < kClear * disparity.least_texture) continue;
-          const float in_box = search.correlationInBox(u, v);
-          if (is_behind && behind.correlation >= in_box) behind_m[u] = behind.depth_m;
-          if (!is_behind && in_box >= WindowMatcher::kFits) unmatched[u] = texture[u];
-        }
+        for (int u = std::max(first, area_.x); u < std::min(end, area_.br().x); ++u) judge(u, v, disparity, search);
       });
     }
   });
-  cv::Mat texture_sum, unmatched_sum;
-  cv::integral(disparity.texture(area_), texture_sum, CV_64F);
-  cv::integral(unmatched_, unmatched_sum, CV_64F);
   for (const cv::Rect& view : views) {
-    const cv::Rect area = view - area_.tl();
-    const double texture = std::max(sumOver(texture_sum, area), disparity.least_texture * area.area());
-    if (texture > 0.0) share_ = std::max(share_, sumOver(unmatched_sum, area) / texture);
+    const double least = disparity.least_texture * view.area();
+    const double texture = std::max(cv::sum(disparity.texture(view))[0], least);
+    if (texture > 0.0) share_ = std::max(share_, cv::sum(unmatched_(view - area_.tl()))[0] / texture);
   }
+}
+
+void UnmatchedTexture::judge(int u, int v, const Disparity& disparity, Search& search) {
+  const float texture = disparity.texture.at<float>(v, u);
+  if (!(texture >= disparity.least_texture)) return;
+  const Search::Fit behind = search.behind(u, v);
+  const bool is_behind = !std::isnan(behind.depth_m), is_clear = texture >= kClear * disparity.least_texture;
+  if (!is_behind && !is_clear) return;
+  const float in_box = search.correlationInBox(u, v);
+  const cv::Point pixel = cv::Point(u, v) - area_.tl();
+  if (is_behind && behind.correlation >= in_box) behind_m_.at<float>(pixel) = behind.depth_m;
+  if (!is_behind && in_box >= WindowMatcher::kFits) unmatched_.at<float>(pixel) = texture;
 }
 
 cv::Mat UnmatchedTexture::image() const {

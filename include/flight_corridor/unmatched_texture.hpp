@@ -42,6 +42,8 @@ class UnmatchedTexture {
  private:
   class Search;
 
+  void judge(int u, int v, const Disparity& disparity, Search& search);
+
   cv::Size size_;
   cv::Rect area_;      // around the views
   cv::Mat unmatched_;  // CV_32FC1 [grey], of the area
