@@ -1,10 +1,11 @@
-// How small a thing is seen at which distance, how well one close before a wall, and one without texture: one stereo
-// pair each, no LiDAR.
+// How small a thing is seen at which distance, how well one close before a wall, one without texture, and one whose
+// pattern fits on the wall behind it: one stereo pair each, no LiDAR.
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
@@ -22,6 +23,7 @@ constexpr std::array<double, 4> kWidths_m{0.04, 0.06, 0.08, 0.12};
 constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
 constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
 constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
+constexpr std::array<double, 6> kHeights_m{0.03, 0.06, 0.12, 0.25, 0.5, 20.0};
 
 using World = std::vector<sim::Primitive>;
 
@@ -67,6 +69,24 @@ World bareThing(double size_m, double distance_m, sim::Random& random) {
                              : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
 }
 
+/// A board of upright stripes without end in the corridor, before a far wall. As many of their periods as one, two or
+/// three are what the disparities differ by: each stripe fits on the wall's.
+World stripedBoard(double height_m, double distance_m, sim::Random& random) {
+  const double wall_m = random.uniform(4.5, 8.0), periods = std::floor(random.uniform(1.0, 4.0));
+  const double period_m = sim::defaultRig().calibration.baseline_m * (1.0 - distance_m / wall_m) / periods;
+  const double middle_m = sim::kHeight_m + random.uniform(-0.1, 0.1);
+  const sim::Material dark = sim::plain(random.uniform(0.1, 0.3)), bright = sim::plain(random.uniform(0.5, 0.85));
+  World world{sim::backdrop(wall_m, sim::masonry(random))};
+  const int half = static_cast<int>(2.0 * distance_m / period_m);
+  for (int i = -half; i <= half; ++i) {
+    for (const auto& [paint, at] : {std::pair(dark, i - 0.25), std::pair(bright, i + 0.25)}) {
+      world.push_back(
+          sim::makeBox({distance_m + 0.01, at * period_m, middle_m}, {0.02, period_m / 2.0, height_m}, paint));
+    }
+  }
+  return world;
+}
+
 /// A row for each size, a column for each distance.
 template <class Sizes, class Distances, class Build>
 void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int things,
@@ -104,4 +124,7 @@ int main(int argc, char** argv) {
   std::printf("\n");
   printVerdicts("bare balls and boxes each, 8 cm of them in the corridor", kBareSizes_m, kBareDistances_m, things,
                 bareThing);
+  std::printf("\n");
+  printVerdicts("striped boards each, by height, whose stripes fit on the wall behind the corridor", kHeights_m,
+                kDistances_m, things, stripedBoard);
 }

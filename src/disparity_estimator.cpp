@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
 constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
+constexpr double kLargestOffset_px = 1.5;  // of such a rig
 constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
 constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
 constexpr int kSupport_px = 31;           // matches so far around support a fill
@@ -211,8 +212,10 @@ void DisparityEstimator::toPixels(const cv::Mat& fixed, const cv::Mat& keep, cv:
   }
 }
 
+/// A match far below zero is a wrong one; a little below, of a rig with an offset.
 void DisparityEstimator::removeDifference(cv::Mat& disparity_px) const {
   disparity_px -= geometry_.principalPointDifference();
+  disparity_px.setTo(kNaN, disparity_px < -kLargestOffset_px);
   disparity_px.setTo(kSmallestDisparity_px, disparity_px < kSmallestDisparity_px);
 }
 

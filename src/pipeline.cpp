@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "flight_corridor/ambiguous_texture.hpp"
 #include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/hidden_things.hpp"
 #include "flight_corridor/thin_things.hpp"
@@ -216,7 +217,9 @@ std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture
   }
   std::uint32_t reasons = 0;
   if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  if (!(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
+  const bool is_ambiguous = (report_.range_reasons & kNoLidar) &&
+                            hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
+  if (is_ambiguous || !(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
   return reasons;
 }
 

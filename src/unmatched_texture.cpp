@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/window_matcher.hpp"
@@ -73,14 +74,14 @@ class UnmatchedTexture::Search {
   /// are of such surfaces.
   Fit behind(int u, int v) {
     Fit fit;
-    int witnesses = 0, surface_px = 0;
+    int witnesses = 0;
+    std::optional<int> surface_px;
     float correlation = -1.0f;
     for (const float depth_m : depthsAround(u, v)) {
       if (!(depth_m * kScale > farthest_m_)) continue;
-      const int next_px = matcherDisparity(geometry_.disparity(depth_m));
-      if (correlation == -1.0f || next_px != surface_px) {
+      if (const int next_px = matcherDisparity(geometry_.disparity(depth_m)); surface_px != next_px) {
         surface_px = next_px;
-        correlation = correlationAt(u, v, surface_px);
+        correlation = correlationAt(u, v, next_px);
       }
       if (correlation < WindowMatcher::kFits) continue;
       ++witnesses;

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "flight_corridor/disparity_estimator.hpp"
 #include "sim/simulation.hpp"
@@ -225,6 +226,19 @@ TEST(DisparityEstimator, ObservesWhatBothImagesShowWithinTheSearchedRange) {
   EXPECT_FALSE(contains(observable_C, {0.0, 0.0, 0.1}));   // 210 px
   EXPECT_FALSE(contains(observable_C, {5.0, 0.0, 4.0}));   // outside the left image
   EXPECT_FALSE(contains(observable_C, {-0.9, 0.0, 1.0}));  // column 2 of the left image, 21 px outside the right one
+}
+
+TEST(DisparityEstimator, MatchesFarBelowZeroAreWrongAndALittleBelowTheyAreFar) {
+  const StereoGeometry geometry(smallCalibration());
+  const cv::Point middle(geometry.size() / 2);
+  for (const int below_px : {1, 2}) {
+    Disparity disparity;
+    StereoFrame wall = wallFrame(geometry, below_px, 1.0);
+    std::swap(wall.left, wall.right);
+    DisparityEstimator(StereoConfig(), geometry).estimate(wall, disparity);
+    const float matched_px = disparity.matched_px.at<float>(middle);
+    EXPECT_EQ(std::isnan(matched_px), below_px == 2) << matched_px;
+  }
 }
 
 TEST(DisparityEstimator, WhatItObservesIsWhatTheCalibrationProjectsOntoBothImages) {

@@ -121,5 +121,18 @@ TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   }
 }
 
+/// Without a LiDAR nothing tells which of its periods is right.
+TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
+  constexpr double kDistance_m = 3.44, kPeriod_m = 0.064;
+  const StereoGeometry geometry(sim::defaultRig().calibration);
+  std::vector<sim::Primitive> world;
+  for (int i = -110; i < 110; ++i) {
+    world.push_back(sim::makeBox({kDistance_m + 0.01, i * kPeriod_m / 2.0, 1.5}, {0.02, kPeriod_m / 2.0, 30.0},
+                                 sim::plain(i % 2 ? 0.2 : 0.7)));
+  }
+  Pipeline pipeline(Config(), geometry, Rig());
+  EXPECT_NE(pipeline.process(sim::stillPair(world, 1)).verdict.state, State::Free);
+}
+
 }  // namespace
 }  // namespace flight_corridor

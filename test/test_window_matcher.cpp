@@ -54,6 +54,23 @@ TEST(WindowMatcher, TellsTheBestCorrelationOfTheRange) {
   EXPECT_EQ(matcher.correlation(99, kV, 0, 40, scratch), -1.0f) << "not whole";
 }
 
+TEST(WindowMatcher, TellsTheCorrelationOfEachDisparityWhoseWindowsAreWhole) {
+  const Pair pair;
+  constexpr int kReach_px = 7;
+  const WindowMatcher matcher(pair.left, pair.right, {0, 40}, kReach_px);
+  std::vector<float> correlations, scratch;
+  EXPECT_EQ(matcher.correlations(kU, kV, 3, 20, correlations), 20);
+  ASSERT_EQ(correlations.size(), 18u);
+  for (int px = 3; px <= 20; ++px) {
+    EXPECT_EQ(correlations[20 - px], matcher.correlation(kU, kV, px, px, scratch)) << px;
+    EXPECT_EQ(correlations[20 - px] > 0.5f, px == kShift_px) << px;
+  }
+  EXPECT_EQ(matcher.correlations(kU, kV, -200, 200, correlations), kU - kReach_px);
+  EXPECT_EQ(correlations.size(), 100u - 2 * kReach_px);
+  matcher.correlations(kReach_px - 1, kV, 0, 40, correlations);
+  EXPECT_TRUE(correlations.empty()) << "not whole on the left image";
+}
+
 TEST(WindowMatcher, IsTheSameForSomeOfTheRows) {
   EXPECT_TRUE(fits(kU, kV, kShift_px, kShift_px, {kV, kV + 1}));
   EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px + 9, {kV, kV + 1}));

@@ -90,9 +90,10 @@ enum Reason : std::uint32_t {
       1u << 12,             ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
                             ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box.
+  kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view would fit no farther than the box, without a match or
+                            ///< beside it.
   kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes;
-                            ///< or a thin thing that may be in it.
+                            ///< or a thin thing that may be in it, or a hole that may hide a small one.
 };
 
 /// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that
