@@ -1,6 +1,8 @@
 #include "flight_corridor/box.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace flight_corridor {
 
@@ -75,6 +77,15 @@ ConvexRegion beyond(const Box& box, double distance_m) {
   ConvexRegion region_M(4, 1);
   region_M << forward_M, -forward_M.dot(box.T_M_F.translation()) - distance_m;
   return region_M;
+}
+
+double farthestCorner(const Box& box) {
+  double farthest_m = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d corner(i & 1 ? 1.0 : 0.0, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
+    farthest_m = std::max(farthest_m, (box.T_M_F * box.size_m.cwiseProduct(corner)).z());
+  }
+  return farthest_m;
 }
 
 ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other) {

@@ -15,13 +15,13 @@ namespace flight_corridor {
 namespace {
 
 constexpr int kFixedPoint = cv::StereoMatcher::DISP_SCALE;
-constexpr int kBelowZero_px = 2;          // disparities searched below zero: far surfaces of a rig with offset
+constexpr int kBelowZero_px = 2;           // disparities searched below zero: far surfaces of a rig with offset
 constexpr double kLargestOffset_px = 1.5;  // of such a rig
-constexpr double kBrightGrey = 100.0;     // mean grey of an image in good light
-constexpr double kDimNoise = 2.0 / 3.0;   // what remains of a bright image's noise in the dark, by the electronics
-constexpr int kSupport_px = 31;           // matches so far around support a fill
-constexpr double kSupportSlack_px = 1.0;  // rounding of disparity at half size
-constexpr double kLeastWeight = 1e-3;     // about one match around
+constexpr double kBrightGrey = 100.0;      // mean grey of an image in good light
+constexpr double kDimNoise = 2.0 / 3.0;    // what remains of a bright image's noise in the dark, by the electronics
+constexpr int kSupport_px = 31;            // matches so far around support a fill
+constexpr double kSupportSlack_px = 1.0;   // rounding of disparity at half size
+constexpr double kLeastWeight = 1e-3;      // about one match around
 constexpr float kSmallestDisparity_px = 1.0f / kFixedPoint;  // "as far as can be told"
 
 std::optional<int> matcherMode(const std::string& name) {

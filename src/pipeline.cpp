@@ -93,8 +93,8 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.map_ms);
     const UnmatchedTexture texture = unmatchedTexture(boxInCamera());
-    doubts_ = doubts(boxInCamera(), texture);
     texture.fill(depth_.filled_m);
+    doubts_ = doubts(boxInCamera(), texture);
     report_.clears = isTrusted();
     updateMap();
   }
@@ -212,15 +212,23 @@ UnmatchedTexture Pipeline::unmatchedTexture(const Box& box_C) const {
 std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture) const {
   const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
   double least = disparity_.matched_fraction;
-  for (const cv::Rect& section : crossSections(box_C, geometry_)) {
+  const std::vector<cv::Rect> sections = crossSections(box_C, geometry_);
+  for (const cv::Rect& section : sections) {
     least = std::min(least, cv::countNonZero(is_matched(section)) / static_cast<double>(section.area()));
   }
   std::uint32_t reasons = 0;
   if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  const bool is_ambiguous = (report_.range_reasons & kNoLidar) &&
-                            hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
+  const bool beam_tells = !(report_.range_reasons & kNoLidar) && !sections.empty() && beamEndsOn(sections.front());
+  const bool is_ambiguous =
+      !beam_tells && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
   if (is_ambiguous || !(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
   return reasons;
+}
+
+/// On a part of the left image: a pattern there is where the LiDAR says.
+bool Pipeline::beamEndsOn(const cv::Rect& view) const {
+  const Eigen::Vector2d pixel = geometry_.project(range_tracker_.point(report_.range.range_m));
+  return geometry_.contains(pixel) && view.contains(cv::Point2d(pixel.x(), pixel.y()));
 }
 
 cv::Mat Pipeline::unmatched() const {

@@ -27,15 +27,6 @@ cv::Rect hull(const std::vector<cv::Rect>& areas) {
   return hull;
 }
 
-double farthestDepth(const Box& box_C) {
-  double farthest_m = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d corner(i & 1 ? 1.0 : 0.0, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-    farthest_m = std::max(farthest_m, (box_C.T_M_F * box_C.size_m.cwiseProduct(corner)).z());
-  }
-  return farthest_m;
-}
-
 }  // namespace
 
 /// Asks of each pixel of a row in turn where its content fits. One thread's.
@@ -152,7 +143,7 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
   if (!disparity.small.empty()) broad_m.setTo(kNoDepth, disparity.small);
   const WindowMatcher matcher(pair.left, pair.right, {area_.y, area_.br().y});
   cv::parallel_for_({area_.y, area_.br().y}, [&](const cv::Range& rows) {
-    Search search(geometry, broad_m, matcher, nearest_m, farthestDepth(box_C));
+    Search search(geometry, broad_m, matcher, nearest_m, farthestCorner(box_C));
     for (int v = rows.start; v < rows.end; ++v) {
       search.forEachGap(v, [&](int first, int end) {
         for (int u = std::max(first, area_.x); u < std::min(end, area_.br().x); ++u) judge(u, v, disparity, search);

@@ -16,6 +16,7 @@ constexpr float kLeastContrast = 1.0f;  // [grey] of a window, to be divided by
 
 WindowMatcher::WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows, int reach_px)
     : reach_px_(reach_px), first_row_(std::max(rows.start - reach_px, 0)) {
+  CV_Assert(0 <= reach_px && reach_px <= kLargestReach_px);
   rows = {first_row_, std::min(rows.end + reach_px, left.rows)};
   left_ = left.rowRange(rows);
   right.rowRange(rows).convertTo(right_, CV_32F);

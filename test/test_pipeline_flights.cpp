@@ -121,7 +121,7 @@ TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   }
 }
 
-/// Without a LiDAR nothing tells which of its periods is right.
+/// Nothing tells which of its periods is right, but a LiDAR whose beam ends there.
 TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
   constexpr double kDistance_m = 3.44, kPeriod_m = 0.064;
   const StereoGeometry geometry(sim::defaultRig().calibration);
@@ -130,8 +130,17 @@ TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
     world.push_back(sim::makeBox({kDistance_m + 0.01, i * kPeriod_m / 2.0, 1.5}, {0.02, kPeriod_m / 2.0, 30.0},
                                  sim::plain(i % 2 ? 0.2 : 0.7)));
   }
+  const StereoFrame pair = sim::stillPair(world, 1);
   Pipeline pipeline(Config(), geometry, Rig());
-  EXPECT_NE(pipeline.process(sim::stillPair(world, 1)).verdict.state, State::Free);
+  const Verdict verdict = pipeline.process(pair).verdict;
+  EXPECT_EQ(verdict.state, State::Unknown);
+  EXPECT_TRUE(verdict.reasons & kUnmatched);
+
+  Rig rig;
+  rig.T_C_L = opticalFromForward();
+  Pipeline with_lidar(Config(), geometry, rig);
+  for (int i = 4; i >= 0; --i) with_lidar.addRange({pair.stamp_s - 0.01 * i, kDistance_m, 0.2, 100.0, 0.03});
+  EXPECT_EQ(with_lidar.process(pair).verdict.state, State::Blocked);
 }
 
 }  // namespace

@@ -37,6 +37,9 @@ ConvexRegion inside(const Box& box);
 /// What lies farther along the box's axis than a distance from its start.
 ConvexRegion beyond(const Box& box, double distance_m);
 
+/// Of its corners, along z of M [m].
+double farthestCorner(const Box& box);
+
 /// What lies in both.
 ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other);
 

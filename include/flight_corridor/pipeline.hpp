@@ -61,8 +61,8 @@ class Pipeline {
 
   /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
   /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has too few
-  /// matches there, unmatched texture that would fit in it or points that make no hit, or says that the map is not to
-  /// be trusted. The answer is as old as its stamp, the last frame's: judge its age.
+  /// matches there, texture that would fit in it, unmatched or beside its match, or points that make no hit, or says
+  /// that the map is not to be trusted. The answer is as old as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -110,6 +110,7 @@ class Pipeline {
   bool isTrusted() const;
   UnmatchedTexture unmatchedTexture(const Box& box_C) const;
   std::uint32_t doubts(const Box& box_C, const UnmatchedTexture& texture) const;
+  bool beamEndsOn(const cv::Rect& view) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;
