@@ -237,8 +237,11 @@ TEST(DisparityEstimator, MatchesFarBelowZeroAreWrongAndALittleBelowTheyAreFar) {
     std::swap(wall.left, wall.right);
     DisparityEstimator(StereoConfig(), geometry).estimate(wall, disparity);
     const float matched_px = disparity.matched_px.at<float>(middle);
-    if (below_px == 1) EXPECT_EQ(matched_px, 1.0f / 16.0f);
-    if (below_px == 2) EXPECT_TRUE(std::isnan(matched_px)) << matched_px;
+    if (below_px == 1) {
+      EXPECT_EQ(matched_px, 1.0f / 16.0f);
+    } else {
+      EXPECT_TRUE(std::isnan(matched_px)) << matched_px;
+    }
   }
 }
 
