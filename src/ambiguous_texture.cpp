@@ -19,7 +19,6 @@ constexpr float kOwnFit = 0.8f;     // least correlation of the best match at or
 constexpr float kAsGood = 0.1f;     // by how much less another match may correlate
 constexpr float kBetween = 0.5f;    // of the own fit: a worse match between two makes them two
 constexpr int kBelowZero_px = 3;    // disparities below zero that are asked about: matches there are taken to be far
-constexpr double kScale = 0.9;      // smallest factor that the depth's scale may be wrong by
 
 /// Of a peak between samples, by a parabola through three of them.
 float peak(float before, float at, float after) {
@@ -51,16 +50,15 @@ bool fitsTwice(const std::vector<float>& correlations, int largest_px, int own_p
 
 bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
                          const StereoGeometry& geometry) {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
+  const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
-  if (views.empty() || !(end_m > 0.0)) return false;
-  const cv::Rect view = views[std::min<std::size_t>(1, views.size() - 1)];  // a little nearer than the end
+  if (view.empty() || !(end_m > 0.0)) return false;
   const double width_px = geometry.size().width;
   const auto wholePixels = [&](double disparity_px) {
     return static_cast<int>(std::lround(std::min(disparity_px, width_px) + geometry.principalPointDifference()));
   };
   const int nearest_px = wholePixels(geometry.disparity(nearest_m)), farthest_px = wholePixels(-kBelowZero_px);
-  const int end_px = wholePixels(kScale * geometry.disparity(end_m));
+  const int end_px = wholePixels(kSmallestScale * geometry.disparity(end_m));
   const int stride_px = std::max(kStride_px, static_cast<int>(std::ceil(std::sqrt(view.area() / kWindows))));
   const WindowMatcher matcher(pair.left, pair.right, {view.y, view.br().y}, WindowMatcher::kLargestReach_px);
   std::vector<float> correlations;
@@ -72,7 +70,7 @@ bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Ma
       ++known;
       if (!(own_m > end_m)) continue;
       const int largest_px = matcher.correlations(u, v, farthest_px, nearest_px, correlations);
-      const int own_px = wholePixels(geometry.disparity(own_m) / kScale) + 1;
+      const int own_px = wholePixels(geometry.disparity(own_m) / kSmallestScale) + 1;
       fitting_twice += fitsTwice(correlations, largest_px, own_px, end_px);
     }
   }

@@ -1,6 +1,8 @@
 #include "flight_corridor/cross_sections.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
 
 namespace flight_corridor {
 
@@ -41,6 +43,11 @@ std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geom
     x_m *= kRatio;
   } while (x_m >= kNearest_m);
   return views;
+}
+
+cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry) {
+  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
+  return views.empty() ? cv::Rect() : views[std::min<std::size_t>(1, views.size() - 1)];
 }
 
 }  // namespace flight_corridor

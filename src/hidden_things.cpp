@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "flight_corridor/cross_sections.hpp"
 
@@ -25,14 +24,12 @@ int oddBelow(double px) { return static_cast<int>(px / 2.0) * 2 + 1; }
 
 bool mayHideThing(const Box& box_C, const cv::Mat& filled_m, const Disparity& disparity,
                   const StereoGeometry& geometry) {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
+  const cv::Rect view = viewOfFarPart(box_C, geometry), image({}, filled_m.size());  // nearer, small things look large
   const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).z();
-  if (filled_m.empty() || views.empty() || !(end_m > 0.0)) return false;
+  if (filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
   const double square_px = std::max(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px);
   const int hole_px = oddBelow(square_px), around_px = oddBelow(kAround * hole_px);
 
-  // Nearer than the second of the cross-sections small things are large.
-  const cv::Rect view = views[std::min<std::size_t>(1, views.size() - 1)], image({}, filled_m.size());
   const cv::Point reach(around_px / 2, around_px / 2);
   const cv::Rect area = cv::Rect(view.tl() - reach, view.br() + reach) & image;
   cv::Mat share, lowest_px, highest_px;

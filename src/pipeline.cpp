@@ -205,30 +205,33 @@ State Pipeline::state(std::uint32_t reasons) const {
 }
 
 UnmatchedTexture Pipeline::unmatchedTexture(const Box& box_C) const {
-  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth(), box_C};
+  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth(), box_C, toldDepth(box_C)};
 }
 
 /// Why the newest pair's matches are not enough to call a box free, by what is seen where the box is.
 std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture) const {
   const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
   double least = disparity_.matched_fraction;
-  const std::vector<cv::Rect> sections = crossSections(box_C, geometry_);
-  for (const cv::Rect& section : sections) {
+  for (const cv::Rect& section : crossSections(box_C, geometry_)) {
     least = std::min(least, cv::countNonZero(is_matched(section)) / static_cast<double>(section.area()));
   }
   std::uint32_t reasons = 0;
   if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  const bool beam_tells = !(report_.range_reasons & kNoLidar) && !sections.empty() && beamEndsOn(sections.front());
   const bool is_ambiguous =
-      !beam_tells && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
+      std::isnan(toldDepth(box_C)) && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
   if (is_ambiguous || !(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
   return reasons;
 }
 
-/// On a part of the left image: a pattern there is where the LiDAR says.
-bool Pipeline::beamEndsOn(const cv::Rect& view) const {
-  const Eigen::Vector2d pixel = geometry_.project(range_tracker_.point(report_.range.range_m));
-  return geometry_.contains(pixel) && view.contains(cv::Point2d(pixel.x(), pixel.y()));
+/// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
+/// is where the LiDAR says.
+double Pipeline::toldDepth(const Box& box_C) const {
+  const std::vector<cv::Rect> views = crossSections(box_C, geometry_);
+  const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
+  const Eigen::Vector2d pixel = geometry_.project(met_C);
+  const bool tells = !(report_.range_reasons & kNoLidar) && !views.empty() && geometry_.contains(pixel) &&
+                     views.front().contains(cv::Point2d(pixel.x(), pixel.y()));
+  return tells ? met_C.z() : kNaN;
 }
 
 cv::Mat Pipeline::unmatched() const {

@@ -17,8 +17,9 @@ namespace {
 constexpr double kClear = 5.0;     // by how much clear texture exceeds what can be told from noise
 constexpr int kAround_px = 32;     // so far beside a gap, or a pixel of it, surfaces are looked for
 constexpr int kWitnesses = 2;      // neighbours that must lie on a surface on which a pixel fits
+constexpr double kTold_px = 1.0;   // so near to the LiDAR's range a surface is what its beam met:
+constexpr float kTold = 0.1f;      // what fits there may correlate by so much less than in the box
 constexpr double kSlack_px = 4.0;  // matching moves the edges of a gap
-constexpr double kScale = 0.9;     // smallest factor that the depth's scale may be wrong by
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 cv::Rect hull(const std::vector<cv::Rect>& areas) {
@@ -33,12 +34,13 @@ cv::Rect hull(const std::vector<cv::Rect>& areas) {
 class UnmatchedTexture::Search {
  public:
   Search(const StereoGeometry& geometry, const cv::Mat& matched_m, const WindowMatcher& matcher, double nearest_m,
-         double farthest_m)
+         double farthest_m, double told_m)
       : geometry_(geometry),
         matched_m_(matched_m),
         matcher_(matcher),
         farthest_m_(farthest_m),
-        farthest_px_(matcherDisparity(kScale * geometry.disparity(farthest_m))),
+        told_px_(geometry.disparity(told_m)),
+        farthest_px_(matcherDisparity(kSmallestScale * geometry.disparity(farthest_m))),
         nearest_px_(matcherDisparity(geometry.disparity(nearest_m))) {}
 
   /// Runs of a row's pixels without a match whose content the right camera should see.
@@ -58,7 +60,7 @@ class UnmatchedTexture::Search {
 
   struct Fit {
     float depth_m = kNoDepth;
-    float correlation = -1.0f;
+    float correlation = -1.0f;  // and what the LiDAR's word is worth
   };
 
   /// On the nearest of the surfaces around that lie behind the box, if at least two of the matches next to the pixel
@@ -69,14 +71,15 @@ class UnmatchedTexture::Search {
     std::optional<int> surface_px;
     float correlation = -1.0f;
     for (const float depth_m : depthsAround(u, v)) {
-      if (!(depth_m * kScale > farthest_m_)) continue;
+      if (!(depth_m * kSmallestScale > farthest_m_)) continue;
       if (const int next_px = matcherDisparity(geometry_.disparity(depth_m)); surface_px != next_px) {
         surface_px = next_px;
         correlation = correlationAt(u, v, next_px);
       }
       if (correlation < WindowMatcher::kFits) continue;
       ++witnesses;
-      fit.correlation = std::max(fit.correlation, correlation);
+      const bool is_told = std::abs(geometry_.disparity(depth_m) - told_px_) <= kTold_px;
+      fit.correlation = std::max(fit.correlation, correlation + (is_told ? kTold : 0.0f));
       fit.depth_m = std::fmin(fit.depth_m, depth_m);
     }
     return witnesses >= kWitnesses ? fit : Fit();
@@ -126,13 +129,13 @@ class UnmatchedTexture::Search {
   const StereoGeometry& geometry_;
   const cv::Mat& matched_m_;
   const WindowMatcher& matcher_;
-  double farthest_m_;
+  double farthest_m_, told_px_;
   int farthest_px_, nearest_px_;
   std::vector<float> scratch_;
 };
 
 UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
-                                   const cv::Mat& matched_m, double nearest_m, const Box& box_C)
+                                   const cv::Mat& matched_m, double nearest_m, const Box& box_C, double told_m)
     : size_(geometry.size()) {
   const std::vector<cv::Rect> views = crossSections(box_C, geometry);
   area_ = hull(views);
@@ -143,7 +146,7 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
   if (!disparity.small.empty()) broad_m.setTo(kNoDepth, disparity.small);
   const WindowMatcher matcher(pair.left, pair.right, {area_.y, area_.br().y});
   cv::parallel_for_({area_.y, area_.br().y}, [&](const cv::Range& rows) {
-    Search search(geometry, broad_m, matcher, nearest_m, farthestCorner(box_C));
+    Search search(geometry, broad_m, matcher, nearest_m, farthestCorner(box_C), told_m);
     for (int v = rows.start; v < rows.end; ++v) {
       search.forEachGap(v, [&](int first, int end) {
         for (int u = std::max(first, area_.x); u < std::min(end, area_.br().x); ++u) judge(u, v, disparity, search);

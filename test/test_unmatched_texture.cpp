@@ -64,9 +64,9 @@ double share(const cv::Mat& depth_m, const Disparity& disparity = evenTexture(kC
 }
 
 /// A depth image with a gap in its middle row, filled.
-cv::Mat filled(const StereoFrame& pair, const cv::Mat& matched_m, float texture = kClearTexture) {
+cv::Mat filled(const StereoFrame& pair, const cv::Mat& matched_m, float texture = kClearTexture, double told_m = kNaN) {
   cv::Mat depth_m = matched_m.clone();
-  UnmatchedTexture(kGeometry, pair, evenTexture(texture), matched_m, kNearest_m, corridor()).fill(depth_m);
+  UnmatchedTexture(kGeometry, pair, evenTexture(texture), matched_m, kNearest_m, corridor(), told_m).fill(depth_m);
   return depth_m.row(kGeometry.size().height / 2);
 }
 
@@ -140,18 +140,23 @@ TEST(UnmatchedTexture, WhatHasADepthKeepsIt) {
   EXPECT_EQ(cv::countNonZero(row == kFar_m), row.cols - 3);
 }
 
-TEST(UnmatchedTexture, WhatFitsBetterInTheBoxFillsNothing) {
+TEST(UnmatchedTexture, WhatFitsBetterInTheBoxFillsNothingButALittleBetterWhereTheLidarTellsOfTheOtherSurface) {
   const cv::Range gap(kMiddle, kMiddle + 8), windows(kMiddle - 4, kMiddle + 12);
-  const auto with = [&](int exact_px, int noisy_px) {  // the gap's content twice on the right image
+  const auto with = [&](int exact_px, int noisy_px, double told_m = kNaN, double noise_grey = 40.0) {
+    // the gap's content twice on the right image
     StereoFrame pair = pairWithDisparity(exact_px);
     cv::Mat noise(pair.left.rows, windows.size(), CV_16SC1), noisy;
-    cv::RNG(9).fill(noise, cv::RNG::UNIFORM, -40, 40);
+    cv::RNG(9).fill(noise, cv::RNG::UNIFORM, -noise_grey, noise_grey);
     cv::add(pair.left.colRange(windows), noise, noisy, cv::noArray(), CV_8U);
     noisy.copyTo(pair.right.colRange(windows.start - noisy_px, windows.end - noisy_px));
-    return filled(pair, wallWithGap(gap.start, gap.size())).colRange(gap).clone();
+    const cv::Mat matched_m = wallWithGap(gap.start, gap.size());
+    return cv::countNonZero(filled(pair, matched_m, kClearTexture, told_m).colRange(gap) == kFar_m);
   };
-  EXPECT_EQ(cv::countNonZero(with(kFar_px, kInTheBox_px) == kFar_m), 8);
-  EXPECT_EQ(cv::countNonZero(with(kInTheBox_px, kFar_px) == kFar_m), 0);
+  EXPECT_EQ(with(kFar_px, kInTheBox_px), 8);
+  EXPECT_EQ(with(kInTheBox_px, kFar_px), 0);
+  EXPECT_EQ(with(kInTheBox_px, kFar_px, kFar_m), 8);
+  EXPECT_EQ(with(kInTheBox_px, kFar_px, 6.0), 0) << "it tells of something else";
+  EXPECT_LT(with(kInTheBox_px, kFar_px, kFar_m, 80.0), 8) << "some of them much better";
 }
 
 TEST(UnmatchedTexture, BesideAnEdgeWindowsThatShowOneSurfaceDecide) {

@@ -13,4 +13,7 @@ namespace flight_corridor {
 /// All of the image where only a part of a cross-section is behind the camera.
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry);
 
+/// The second of them, a little before the end; the only one; or empty, where none is in view.
+cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry);
+
 }  // namespace flight_corridor

@@ -110,7 +110,7 @@ class Pipeline {
   bool isTrusted() const;
   UnmatchedTexture unmatchedTexture(const Box& box_C) const;
   std::uint32_t doubts(const Box& box_C, const UnmatchedTexture& texture) const;
-  bool beamEndsOn(const cv::Rect& view) const;
+  double toldDepth(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

@@ -8,6 +8,8 @@
 
 namespace flight_corridor {
 
+constexpr double kSmallestScale = 0.9;  ///< Smallest factor from a told depth to the true one that is reckoned with.
+
 /// Projection matrices of a rectified pair, as numbers.
 struct StereoCalibration {
   cv::Size size_px;

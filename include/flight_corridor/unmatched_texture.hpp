@@ -16,7 +16,8 @@ class WindowMatcher;
 /// What the texture without a match says of a box, where nothing known hides it from the right camera.
 ///
 /// What fits on the surfaces around it, and these lie behind the box, is theirs, and fills their depth images where it
-/// fits no better in the box: equal pickets and ropes have several good matches, of which none is unique.
+/// fits no better in the box: equal pickets and ropes have several good matches, of which none is unique. On the
+/// surface that the LiDAR's beam meets it may fit a little less well.
 ///
 /// What would fit in the box, but not on the surfaces around, is what a thing leaves behind whose matches are wrong or
 /// missing. Of two parallel wires each fits on the other; they are found far away, and betrayed by what is left over of
@@ -26,8 +27,9 @@ class UnmatchedTexture {
  public:
   /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches [m], NaN = none.
   /// @param nearest_m nothing nearer was searched for [m].  @param box_C the box in C.
+  /// @param told_m depth of what the LiDAR's beam meets in the view of the box's end; NaN when nothing is told.
   UnmatchedTexture(const StereoGeometry& geometry, const StereoFrame& pair, const Disparity& disparity,
-                   const cv::Mat& matched_m, double nearest_m, const Box& box_C);
+                   const cv::Mat& matched_m, double nearest_m, const Box& box_C, double told_m = kNaN);
 
   /// Share of the texture that would fit in the box alone [0..1]: the largest of the views of its cross-sections.
   double share() const { return share_; }
