@@ -1,5 +1,5 @@
-// How small a thing is seen at which distance, how well one close before a wall, one without texture, and one whose
-// pattern fits on the wall behind it: one stereo pair each, no LiDAR.
+// How small a thing is seen at which distance, how well one close before a wall, one without texture, one whose pattern
+// fits on the wall behind it, and a railing: one stereo pair each, no LiDAR.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -24,6 +24,8 @@ constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
 constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
 constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
 constexpr std::array<double, 6> kHeights_m{0.03, 0.06, 0.12, 0.25, 0.5, 20.0};
+
+constexpr std::array<double, 6> kPitches_m{0.06, 0.08, 0.10, 0.12, 0.15, 0.20};
 
 using World = std::vector<sim::Primitive>;
 
@@ -87,6 +89,21 @@ World stripedBoard(double height_m, double distance_m, sim::Random& random) {
   return world;
 }
 
+/// Equal bars across the view and two rails above and below the corridor, before a wall.
+World railing(double pitch_m, double distance_m, sim::Random& random) {
+  const double wall_m = random.uniform(4.5, 10.0), bar_m = random.uniform(0.012, 0.025);
+  const double first_m = random.uniform(-4.0 - pitch_m, -4.0);
+  const sim::Material paint = anyPaint(random);
+  World world{sim::backdrop(wall_m, sim::masonry(random))};
+  for (double at_m = first_m; at_m < 4.0; at_m += pitch_m) {
+    world.push_back(sim::makeBox({distance_m + 0.01, at_m, sim::kHeight_m}, {0.02, bar_m, 1.0}, paint));
+  }
+  for (const double above_m : {-0.5, 0.5}) {
+    world.push_back(sim::makeBox({distance_m + 0.02, 0.0, sim::kHeight_m + above_m}, {0.04, 8.0, 0.04}, paint));
+  }
+  return world;
+}
+
 /// A row for each size, a column for each distance.
 template <class Sizes, class Distances, class Build>
 void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int things,
@@ -127,4 +144,6 @@ int main(int argc, char** argv) {
   std::printf("\n");
   printVerdicts("striped boards each, by height, whose stripes fit on the wall behind the corridor", kHeights_m,
                 kDistances_m, things, stripedBoard);
+  std::printf("\n");
+  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kDistances_m, things, railing);
 }

@@ -7,14 +7,13 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kError_px = 0.6, kLevelError_px = 1.0;  // of a match, at the most; of a level edge's
-constexpr int kWeight = 8, kLevelWeight = 3;             // of a pixel: 12 of the first kind are enough, 32 of the other
-constexpr int kFewest = 96;                              // weights in sum; less is chance
+constexpr int kFewest_px = 12;                           // fewer are chance
 
 }  // namespace
 
 bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity& disparity,
                       const StereoGeometry& geometry, double band_px) {
-  int sum = 0;
+  int points = 0;
   for (int v = 0; v < disparity.thin.rows; ++v) {
     const auto* is_thin = disparity.thin.ptr<std::uint8_t>(v);
     const auto* is_level = disparity.level.ptr<std::uint8_t>(v);
@@ -24,11 +23,10 @@ bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity&
       const auto isInBox = [&](double nearer_px) {
         return contains(box_C, geometry.point(u, v, geometry.shiftedDepth(z_m[u], nearer_px)));
       };
-      if (isInBox(band_px)) continue;
-      sum += is_level[u] ? kLevelWeight * isInBox(kLevelError_px) : kWeight * isInBox(kError_px);
+      points += isInBox(is_level[u] ? kLevelError_px : kError_px) && !isInBox(band_px);
     }
   }
-  return sum >= kFewest;
+  return points >= kFewest_px;
 }
 
 }  // namespace flight_corridor

@@ -14,7 +14,7 @@ const Box kBox = Corridor(CorridorConfig()).box(opticalFromForward());
 /// A thin level run of pixels ahead at one depth, all else far away and neither.
 struct View {
   explicit View(double depth_m, int length_px = 40) {
-    const cv::Rect run(kGeometry.size().width / 2 - 20, kGeometry.size().height / 2, length_px, 1);
+    const cv::Rect run(kGeometry.size().width / 2, kGeometry.size().height / 2, length_px, 1);
     depth(run) = depth_m;
     disparity.level = cv::Mat::zeros(kGeometry.size(), CV_8U);
     disparity.level(run) = 255;
@@ -41,25 +41,7 @@ TEST(ThinThings, WhatTheMapTakesToBeInTheBoxIsJudgedThere) {
   EXPECT_TRUE(View(endToldTooFar(1.1 * kBand_px)).mayHold());
 }
 
-TEST(ThinThings, AFewPixelsAreChance) {
-  for (const bool is_level : {true, false}) {
-    const int fewest_px = is_level ? 32 : 12;
-    for (const int length_px : {fewest_px - 1, fewest_px}) {
-      View view(endToldTooFar(0.5), length_px);
-      if (!is_level) view.disparity.level.setTo(0);
-      EXPECT_EQ(view.mayHold(), length_px == fewest_px) << is_level;
-    }
-  }
-}
-
-TEST(ThinThings, PixelsOfBothKindsAddUp) {
-  for (const int not_level_px : {5, 6}) {  // and half as many of the others as would be enough
-    View view(endToldTooFar(0.5), 16 + not_level_px);
-    const cv::Point middle(kGeometry.size() / 2);
-    view.disparity.level(cv::Rect(middle.x - 20, middle.y, not_level_px, 1)).setTo(0);
-    EXPECT_EQ(view.mayHold(), not_level_px == 6);
-  }
-}
+TEST(ThinThings, AFewPixelsAreChance) { EXPECT_FALSE(View(endToldTooFar(0.9), 11).mayHold()); }
 
 TEST(ThinThings, WhatIsNotLevelIsTakenToBeMatchedBetter) {
   for (const double error_px : {0.5, 0.7}) {
