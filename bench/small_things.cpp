@@ -24,7 +24,6 @@ constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
 constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
 constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
 constexpr std::array<double, 6> kHeights_m{0.03, 0.06, 0.12, 0.25, 0.5, 20.0};
-
 constexpr std::array<double, 6> kPitches_m{0.06, 0.08, 0.10, 0.12, 0.15, 0.20};
 
 using World = std::vector<sim::Primitive>;
