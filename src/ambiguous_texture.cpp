@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/cross_sections.hpp"
@@ -11,39 +14,125 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kStride_px = 4;       // between neighbouring windows, at least
-constexpr double kWindows = 400.0;  // looked at, at the most
-constexpr int kFewest = 12;         // windows where something is known; fewer say nothing
-constexpr double kMost = 0.5;       // of these
-constexpr float kOwnFit = 0.8f;     // least correlation of the best match at or behind the surface
-constexpr float kAsGood = 0.1f;     // by how much less another match may correlate
-constexpr float kBetween = 0.5f;    // of the own fit: a worse match between two makes them two
-constexpr int kBelowZero_px = 3;    // disparities below zero that are asked about: matches there are taken to be far
+constexpr float kAsGood = 0.1f;   // by how much less another match may correlate
+constexpr float kBetween = 0.5f;  // of the own fit: a worse match between two makes them two
+constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or behind the surface
 
-/// Of a peak between samples, by a parabola through three of them.
-float peak(float before, float at, float after) {
-  const float curvature = 2.0f * at - before - after;
-  return at + (curvature > 0.0f ? (after - before) * (after - before) / (8.0f * curvature) : 0.0f);
+constexpr int kBelowZero_px = 3;           // disparities below zero that are asked about: matches there are far
+constexpr int kPatternStride_px = 4;       // between neighbouring windows, at least
+constexpr double kPatternWindows = 400.0;  // looked at, at the most
+constexpr int kFewestKnown = 12;           // windows where something is known; fewer say nothing
+constexpr double kPatternShare = 0.5;      // of these
+
+constexpr int kBarStride_px = 2;
+constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows, for columns meet the bars' pitch
+constexpr float kBarTexture = 2.0f;        // of the least, in a window's middle
+constexpr double kLargestScale = 1.2;      // largest factor from a told depth to the true one
+constexpr double kBeside_px = 2.0;         // so far beside its surface a window may fit
+constexpr int kFewestFitting = 40;         // windows; fewer say nothing
+constexpr double kRailingShare = 0.23;     // of these. Railings: 0.2 to 0.7, forests up to 0.24, other scenes to 0.21
+constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
+constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
+constexpr double kFartherShare = 0.1;      // of it, at least
+
+/// What small windows of the left image, matched behind a box, fit on in the box.
+class SecondMatches {
+ public:
+  SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, int reach_px, double nearest_m,
+                const StereoGeometry& geometry)
+      : geometry_(geometry),
+        matcher_(pair.left, pair.right, rows, reach_px),
+        nearest_px_(wholePixels(geometry.disparity(nearest_m))),
+        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))) {}
+
+  /// Looks at a window on a surface. A match counts that is as good as the best at or behind the surface, with a worse
+  /// one between the two, and between any two.
+  /// @param farthest_px of what is behind it.
+  /// @return whether it fits at or behind the surface.
+  bool look(int u, int v, double surface_px, double farthest_px) {
+    offsets_px_.clear();
+    const int largest_px = matcher_.correlations(u, v, wholePixels(farthest_px), nearest_px_, correlations_);
+    const int surface_at_px = wholePixels(surface_px / kSmallestScale) + 1;
+    int own_px = 0;
+    float own = -1.0f, least = 1.0f;
+    for (int k = static_cast<int>(correlations_.size()) - 2; k > 0; --k) {
+      const int at_px = largest_px - k;
+      const float at = correlations_[k], before = correlations_[k - 1], after = correlations_[k + 1];
+      const bool is_peak = at >= before && at >= after;
+      const float fit = is_peak ? peak(before, at, after) : at;
+      if (at_px <= surface_at_px) {
+        if (fit > own) own = fit, own_px = at_px;
+        continue;
+      }
+      if (own < kOwnFit) return false;
+      least = std::min(least, at);
+      if (is_peak && at_px >= end_px_ && least < kBetween * own && fit >= own - kAsGood) {
+        offsets_px_.push_back(at_px - own_px);
+        least = 1.0f;
+      }
+    }
+    return own >= kOwnFit;
+  }
+
+  /// By how much larger the disparities of the last window's matches in the box are than that of its own.
+  const std::vector<int>& offsets() const { return offsets_px_; }
+
+ private:
+  int wholePixels(double disparity_px) const {
+    const double width_px = geometry_.size().width;
+    return static_cast<int>(std::lround(std::min(disparity_px, width_px) + geometry_.principalPointDifference()));
+  }
+
+  /// Of a peak between samples, by a parabola through three of them.
+  static float peak(float before, float at, float after) {
+    const float curvature = 2.0f * at - before - after;
+    return at + (curvature > 0.0f ? (after - before) * (after - before) / (8.0f * curvature) : 0.0f);
+  }
+
+  const StereoGeometry& geometry_;
+  WindowMatcher matcher_;
+  int nearest_px_, end_px_;
+  std::vector<float> correlations_;
+  std::vector<int> offsets_px_;
+};
+
+/// Windows that have a match in the box.
+struct Bars {
+  int windows = 0;
+  double sum_px = 0.0;  // of the disparities of the surfaces that they were matched on
+
+  void operator+=(const Bars& other) { windows += other.windows, sum_px += other.sum_px; }
+  double surface() const { return sum_px / windows; }
+};
+
+/// By the disparity of their surface and the offset of their match from it [px].
+using BarsAt = std::map<std::pair<int, int>, Bars>;
+
+/// The most windows of one surface and one offset, give or take a pixel.
+Bars largestRailing(const BarsAt& bars) {
+  Bars largest;
+  for (const auto& bar : bars) {
+    Bars railing;
+    for (const int nearer_px : {-1, 0, 1}) {
+      for (const int wider_px : {-1, 0, 1}) {
+        const auto like = bars.find({bar.first.first + nearer_px, bar.first.second + wider_px});
+        if (like != bars.end()) railing += like->second;
+      }
+    }
+    if (railing.windows > largest.windows) largest = railing;
+  }
+  return largest;
 }
 
-/// @param correlations from the largest disparity downwards.  @param own_px, end_px the surface's disparity, at the
-/// most, and the box's end's.
-bool fitsTwice(const std::vector<float>& correlations, int largest_px, int own_px, int end_px) {
-  float own = -1.0f, least = 1.0f;
-  for (int k = static_cast<int>(correlations.size()) - 2; k > 0; --k) {
-    const int at_px = largest_px - k;
-    const float at = correlations[k], before = correlations[k - 1], after = correlations[k + 1];
-    const bool is_peak = at >= before && at >= after;
-    const float fit = is_peak ? peak(before, at, after) : at;
-    if (at_px <= own_px) {
-      own = std::max(own, fit);
-      continue;
-    }
-    if (own < kOwnFit) return false;
-    least = std::min(least, at);
-    if (is_peak && at_px >= end_px && least < kBetween * own && fit >= own - kAsGood) return true;
-  }
-  return false;
+/// Whether much of what is seen in and around a view is behind a surface.
+bool showsFarther(const cv::Rect& view, double surface_px, const Disparity& disparity, const cv::Mat& depth_m,
+                  const StereoGeometry& geometry) {
+  const cv::Rect around = cv::Rect(view.tl() - cv::Point(view.size()), view.size() * 3) & cv::Rect({}, depth_m.size());
+  const double farther_px = surface_px - kFarther_px;
+  if (!(farther_px > 0.0)) return false;  // nothing is farther than a surface that is nearly at infinity
+  const cv::Mat seen = (depth_m(around) > 0.0) & (disparity.texture(around) >= disparity.least_texture);
+  const cv::Mat farther = seen & (depth_m(around) > geometry.depth(farther_px));
+  return cv::countNonZero(farther) >= kFartherShare * cv::countNonZero(seen);
 }
 
 }  // namespace
@@ -53,15 +142,9 @@ bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Ma
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
-  const double width_px = geometry.size().width;
-  const auto wholePixels = [&](double disparity_px) {
-    return static_cast<int>(std::lround(std::min(disparity_px, width_px) + geometry.principalPointDifference()));
-  };
-  const int nearest_px = wholePixels(geometry.disparity(nearest_m)), farthest_px = wholePixels(-kBelowZero_px);
-  const int end_px = wholePixels(kSmallestScale * geometry.disparity(end_m));
-  const int stride_px = std::max(kStride_px, static_cast<int>(std::ceil(std::sqrt(view.area() / kWindows))));
-  const WindowMatcher matcher(pair.left, pair.right, {view.y, view.br().y}, WindowMatcher::kLargestReach_px);
-  std::vector<float> correlations;
+  const int stride_px =
+      std::max(kPatternStride_px, static_cast<int>(std::ceil(std::sqrt(view.area() / kPatternWindows))));
+  SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kLargestReach_px, nearest_m, geometry);
   int known = 0, fitting_twice = 0;
   for (int v = view.y; v < view.br().y; v += stride_px) {
     for (int u = view.x; u < view.br().x; u += stride_px) {
@@ -69,12 +152,36 @@ bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Ma
       if (std::isnan(own_m)) continue;
       ++known;
       if (!(own_m > end_m)) continue;
-      const int largest_px = matcher.correlations(u, v, farthest_px, nearest_px, correlations);
-      const int own_px = wholePixels(geometry.disparity(own_m) / kSmallestScale) + 1;
-      fitting_twice += fitsTwice(correlations, largest_px, own_px, end_px);
+      fitting_twice += matches.look(u, v, geometry.disparity(own_m), -kBelowZero_px) && !matches.offsets().empty();
     }
   }
-  return known >= kFewest && fitting_twice >= kMost * known;
+  return known >= kFewestKnown && fitting_twice >= kPatternShare * known;
+}
+
+bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& disparity, const cv::Mat& depth_m,
+                  double nearest_m, bool is_told, const StereoGeometry& geometry) {
+  const cv::Rect view = viewOfFarPart(box_C, geometry);
+  const double end_m = farthestCorner(box_C);
+  if (view.empty() || !(end_m > 0.0)) return false;
+  SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kReach_px, nearest_m, geometry);
+  const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
+  BarsAt bars;
+  int fitting = 0;
+  for (int v = view.y; v < view.br().y; v += rows_px) {
+    for (int u = view.x; u < view.br().x; u += kBarStride_px) {
+      const float own_m = depth_m.at<float>(v, u);
+      if (!(own_m > end_m) || !(disparity.texture.at<float>(v, u) >= kBarTexture * disparity.least_texture)) continue;
+      const double own_px = geometry.disparity(own_m);
+      fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
+      for (const int offset_px : matches.offsets()) {
+        bars[{static_cast<int>(std::lround(own_px)), offset_px}] += {1, own_px};
+      }
+    }
+  }
+  const Bars railing = largestRailing(bars);
+  if (fitting < kFewestFitting || railing.windows < kRailingShare * fitting) return false;
+  if (is_told && railing.windows >= kPatternOnlyShare * fitting) return false;
+  return !showsFarther(view, railing.surface(), disparity, depth_m, geometry);
 }
 
 }  // namespace flight_corridor

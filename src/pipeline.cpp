@@ -217,8 +217,10 @@ std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture
   }
   std::uint32_t reasons = 0;
   if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
+  const bool is_told = !std::isnan(toldDepth(box_C));
   const bool is_ambiguous =
-      std::isnan(toldDepth(box_C)) && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_);
+      (!is_told && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_)) ||
+      mayBeRailing(box_C, pair_, disparity_, depth_.filled_m, nearestDepth(), is_told, geometry_);
   if (is_ambiguous || !(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
   return reasons;
 }

@@ -5,9 +5,11 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <utility>
+#include <vector>
 
 #include "flight_corridor/ambiguous_texture.hpp"
 #include "flight_corridor/corridor.hpp"
+#include "flight_corridor/cross_sections.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {
@@ -103,6 +105,85 @@ TEST(AmbiguousTexture, ABlankWallOrABoxOutOfViewIsNot) {
   pair.left.setTo(90);
   pair.right.setTo(90);
   EXPECT_FALSE(isAmbiguous(pair, depthOf(kWall_px)));
+}
+
+constexpr int kPitch_px = 24, kBar_px = 8;
+
+/// Bars before a wall of noise, each of which fits on another one at the wall's distance: the right image is the left
+/// one, shifted.
+StereoFrame barsBeforeWall(const std::vector<int>& bars_px) {
+  const cv::Size size = kGeometry.size();
+  cv::Mat wall(size.height, size.width + kWall_px, CV_8UC1);
+  cv::RNG(9).fill(wall, cv::RNG::UNIFORM, 0, 100);
+  for (const int u : bars_px) {
+    for (int i = 0; i < kBar_px; ++i) wall.col(u + i).setTo(160 + 60 * (i % 2));
+  }
+  StereoFrame pair;
+  pair.left = wall.colRange(0, size.width).clone();
+  pair.right = wall.colRange(kWall_px, wall.cols).clone();
+  return pair;
+}
+
+StereoFrame railing(int pitch_px = kPitch_px) {
+  std::vector<int> bars_px;
+  for (int u = 0; u + kBar_px <= kGeometry.size().width; u += pitch_px) bars_px.push_back(u);
+  return barsBeforeWall(bars_px);
+}
+
+bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_told = false, double texture = 20.0) {
+  Disparity disparity;
+  disparity.texture = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(texture));
+  disparity.least_texture = 2.0;
+  const Box corridor = Corridor(CorridorConfig()).box(opticalFromForward());
+  return mayBeRailing(corridor, pair, disparity, depth_m, kNearest_m, is_told, kGeometry);
+}
+
+TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) { EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px))); }
+
+TEST(Railing, TheLidarTellsWhereAllIsOfOnePattern) {
+  EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px), true)) << "its beam may pass between the bars";
+  const StereoFrame stripes = stripedWall(kPitch_px);
+  EXPECT_TRUE(isRailing(stripes, depthOf(kWall_px)));
+  EXPECT_FALSE(isRailing(stripes, depthOf(kWall_px), true));
+}
+
+TEST(Railing, AFenceShowsWhatIsFartherBesideIt) {
+  const cv::Rect view = viewOfFarPart(Corridor(CorridorConfig()).box(opticalFromForward()), kGeometry);
+  for (const auto& [farther_px, rows] : {std::pair(1.2, 0.4), std::pair(1.2, 0.2), std::pair(0.8, 0.4)}) {
+    const int first = view.y - static_cast<int>(rows * view.height);
+    cv::Mat depth_m = depthOf(kWall_px);
+    depth_m.rowRange(first, view.y).setTo(kGeometry.depth(kWall_px - farther_px));
+    EXPECT_EQ(isRailing(railing(), depth_m), farther_px < 1.0 || rows < 0.3) << farther_px << " px " << rows;
+  }
+}
+
+TEST(Railing, BarsOfWhichNoTwoPairsAreEquallyFarApartTellTheirPlace) {
+  std::vector<int> bars_px;
+  for (const int mark : {0, 1, 4, 9, 15, 22, 32, 34}) bars_px.push_back(kGeometry.size().width / 2 - 170 + 10 * mark);
+  EXPECT_FALSE(isRailing(barsBeforeWall(bars_px), depthOf(kWall_px)));
+}
+
+TEST(Railing, FewBarsMayBeChance) {
+  const int middle = kGeometry.size().width / 2;
+  EXPECT_FALSE(isRailing(barsBeforeWall({middle - kPitch_px, middle}), depthOf(kWall_px))) << "few of the windows";
+  cv::Mat depth_m(kGeometry.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+  for (const auto& [rows, is_railing] : {std::pair(2, false), std::pair(8, true)}) {
+    const int first = kGeometry.size().height / 2;
+    depth_m(cv::Rect(middle - 30, first, 60, rows)).setTo(kGeometry.depth(kWall_px));
+    EXPECT_EQ(isRailing(railing(), depth_m), is_railing) << "of " << rows << " rows of windows";
+  }
+}
+
+TEST(Railing, WhatIsInTheBoxOrUnknownOrWithoutTextureIsNotOne) {
+  EXPECT_FALSE(isRailing(railing(), depthOf(kInTheBox_px)));
+  EXPECT_FALSE(isRailing(railing(), depthOf(kWall_px) * std::numeric_limits<float>::quiet_NaN()));
+  EXPECT_FALSE(isRailing(railing(), depthOf(kWall_px), false, 3.0));
+}
+
+TEST(Railing, TakesADepthThatTheScaleCorrectionMoved) {
+  for (const double factor : {0.9, 0.95, 1.05, 1.15}) {
+    EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px) * factor)) << factor;
+  }
 }
 
 }  // namespace

@@ -91,7 +91,8 @@ enum Reason : std::uint32_t {
                             ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box;
-                            ///< or, where no LiDAR tells, most has a match, but fits in the box as well.
+                            ///< or, where no LiDAR tells, most has a match, but fits in the box as well; or it may
+                            ///< be a railing whose bars were taken for the wall behind.
   kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes;
                             ///< or a thin thing that may be in it, or a hole that may hide a small one.
 };
