@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -20,7 +21,8 @@ constexpr double kNearest_m = 0.5;
 const int kWall_px = static_cast<int>(std::lround(kGeometry.disparity(7.0)));
 const int kInTheBox_px = static_cast<int>(std::lround(kGeometry.disparity(2.5)));
 
-/// A wall of random columns which are the same again after a period. Noise that does not repeat is added.
+/// A wall of random columns which are the same again after a period. Noise that
+/// does not repeat is added.
 StereoFrame stripedWall(int period_px, double noise = 0.0, int disparity_px = kWall_px) {
   const cv::Size size = kGeometry.size();
   const int shift_px = std::abs(disparity_px);
@@ -108,15 +110,16 @@ TEST(AmbiguousTexture, ABlankWallOrABoxOutOfViewIsNot) {
 }
 
 constexpr int kPitch_px = 24, kBar_px = 8;
+constexpr std::array<int, kBar_px> kBar{160, 230, 240, 150, 200, 170, 180, 250};  // its columns
 
-/// Bars before a wall of noise, each of which fits on another one at the wall's distance: the right image is the left
-/// one, shifted.
+/// Bars before a wall of noise, each of which fits on another one at the wall's
+/// distance: the right image is the left one, shifted.
 StereoFrame barsBeforeWall(const std::vector<int>& bars_px) {
   const cv::Size size = kGeometry.size();
   cv::Mat wall(size.height, size.width + kWall_px, CV_8UC1);
   cv::RNG(9).fill(wall, cv::RNG::UNIFORM, 0, 100);
   for (const int u : bars_px) {
-    for (int i = 0; i < kBar_px; ++i) wall.col(u + i).setTo(160 + 60 * (i % 2));
+    for (int i = 0; i < kBar_px; ++i) wall.col(u + i).setTo(kBar.at(i));
   }
   StereoFrame pair;
   pair.left = wall.colRange(0, size.width).clone();
@@ -130,12 +133,13 @@ StereoFrame railing(int pitch_px = kPitch_px) {
   return barsBeforeWall(bars_px);
 }
 
-bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_told = false, double texture = 20.0) {
+bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_told = false, double texture = 20.0,
+               const StereoGeometry& geometry = kGeometry) {
   Disparity disparity;
-  disparity.texture = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(texture));
+  disparity.texture = cv::Mat(geometry.size(), CV_32FC1, cv::Scalar(texture));
   disparity.least_texture = 2.0;
   const Box corridor = Corridor(CorridorConfig()).box(opticalFromForward());
-  return mayBeRailing(corridor, pair, disparity, depth_m, kNearest_m, is_told, kGeometry);
+  return mayBeRailing(corridor, pair, disparity, depth_m, kNearest_m, is_told, geometry);
 }
 
 TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) { EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px))); }
@@ -181,9 +185,22 @@ TEST(Railing, WhatIsInTheBoxOrUnknownOrWithoutTextureIsNotOne) {
 }
 
 TEST(Railing, TakesADepthThatTheScaleCorrectionMoved) {
-  for (const double factor : {0.9, 0.95, 1.05, 1.15}) {
+  for (const double factor : {0.85, 0.95, 1.05, 1.15}) {
     EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px) * factor)) << factor;
   }
+}
+
+TEST(Railing, BarsMayStandAPixelBesideTheirPlace) {
+  std::vector<int> bars_px;
+  for (int i = 0, u = 0; u + kBar_px <= kGeometry.size().width; u += kPitch_px + i++ % 2) bars_px.push_back(u);
+  EXPECT_TRUE(isRailing(barsBeforeWall(bars_px), depthOf(kWall_px)));
+}
+
+TEST(Railing, KnowsThePrincipalPointsDifference) {
+  StereoCalibration calibration = test_support::vgaCalibration();
+  calibration.cx_right_px -= 3.0;  // the matches' disparities are 3 px too large
+  const cv::Mat depth_m(kGeometry.size(), CV_32FC1, cv::Scalar(kGeometry.depth(kWall_px - 3)));
+  EXPECT_TRUE(isRailing(railing(), depth_m, false, 20.0, StereoGeometry(calibration)));
 }
 
 }  // namespace

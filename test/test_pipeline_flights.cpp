@@ -87,14 +87,16 @@ TEST(PipelineFlights, ALeafThatMayBeInTheBoxIsNotFree) {
   EXPECT_EQ(verdictOn("foliage", 48, 6.0, 14, 3.996).state, State::Unknown);
 }
 
-/// As grey as the wall behind it: hardly a tenth of its pixels has a match, in no cell enough for a hit.
+/// As grey as the wall behind it: hardly a tenth of its pixels has a match, in
+/// no cell enough for a hit.
 TEST(PipelineFlights, AThingThatIsHardlyMatchedIsNotFree) {
   const Verdict verdict = verdictOn("small_thing", 240, 10.0, 47, 2.782);
   EXPECT_EQ(verdict.state, State::Unknown);
   EXPECT_EQ(verdict.reasons & kOutline, kOutline);
 }
 
-/// Nearly level, and of so little contrast that a window of 31 px shows no edge.
+/// Nearly level, and of so little contrast that a window of 31 px shows no
+/// edge.
 TEST(PipelineFlights, ABranchNearlyAsGreyAsTheWallBlocks) {
   EXPECT_EQ(verdictOn("branch", 539, 4.0, 17, 3.493).state, State::Blocked);
 }
@@ -106,7 +108,8 @@ TEST(PipelineFlights, ALevelBranchThatMayBeInTheBoxIsNotFree) {
   EXPECT_EQ(verdict.reasons & kOutline, kOutline);
 }
 
-/// Its outline alone has matches, and is shorter in pixels than a face is large: no cell of it is hit.
+/// Its outline alone has matches, and is shorter in pixels than a face is
+/// large: no cell of it is hit.
 TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   constexpr double kDistance_m = 1.0, kSize_m = 0.16, kInside_m = 0.08;
   const StereoGeometry geometry(sim::defaultRig().calibration);
@@ -121,7 +124,8 @@ TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   }
 }
 
-/// Nothing tells which of its periods is right, but a LiDAR whose beam ends there.
+/// Nothing tells which of its periods is right, but a LiDAR whose beam ends
+/// there.
 TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
   constexpr double kDistance_m = 2.5;
   const StereoGeometry geometry(sim::defaultRig().calibration);
@@ -143,6 +147,31 @@ TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
     EXPECT_EQ(with_lidar.process(pair).verdict.state, State::Blocked) << period_m;
   }
   EXPECT_GE(ambiguous, 1);
+}
+
+/// Each bar fits on the next one, as far away as the wall; the LiDAR's beam
+/// passes between them.
+TEST(PipelineFlights, ARailingWhoseBarsFitOnTheWallIsNotFree) {
+  constexpr double kDistance_m = 2.5, kWall_m = 6.0, kBar_m = 0.02;
+  const sim::Rig rig = sim::defaultRig();
+  const double pitch_m = rig.calibration.baseline_m * (1.0 - kDistance_m / kWall_m);
+  Rig with_lidar;
+  with_lidar.T_C_L = opticalFromForward();
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    sim::Random random(seed, sim::Stream::Scene);
+    std::vector<sim::Primitive> world{sim::backdrop(kWall_m, sim::masonry(random))};
+    const sim::Material paint = sim::textured(random, 0.4, 0.2, 0.16);
+    for (int i = -60; i < 60; ++i) {
+      const Eigen::Vector3d middle_W(kDistance_m + 0.01, (i + 0.5) * pitch_m, sim::kHeight_m);
+      world.push_back(sim::makeBox(middle_W, {0.02, kBar_m, 1.0}, paint));
+    }
+    const StereoFrame pair = sim::stillPair(world, seed);
+    Pipeline pipeline(Config(), StereoGeometry(rig.calibration), with_lidar);
+    for (int i = 4; i >= 0; --i) pipeline.addRange({pair.stamp_s - 0.01 * i, kWall_m, 0.2, 100.0, 0.03});
+    const Verdict verdict = pipeline.process(pair).verdict;
+    EXPECT_EQ(verdict.state, State::Unknown) << seed << ": " << describeReasons(verdict.reasons);
+    EXPECT_EQ(verdict.reasons & kUnmatched, kUnmatched) << seed;
+  }
 }
 
 }  // namespace
