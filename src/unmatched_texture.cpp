@@ -14,12 +14,15 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kClear = 5.0;     // by how much clear texture exceeds what can be told from noise
-constexpr int kAround_px = 32;     // so far beside a gap, or a pixel of it, surfaces are looked for
-constexpr int kWitnesses = 2;      // neighbours that must lie on a surface on which a pixel fits
-constexpr double kTold_px = 1.0;   // so near to the LiDAR's range a surface is what its beam met:
-constexpr float kTold = 0.1f;      // what fits there may correlate by so much less than in the box
-constexpr double kSlack_px = 4.0;  // matching moves the edges of a gap
+constexpr double kClear = 5.0;      // by how much clear texture exceeds what can be told from noise
+constexpr float kFaintFits = 0.6f;  // least correlation of windows that fit whose texture is less: noise takes from it
+constexpr int kAround_px = 32;      // so far beside a gap, or a pixel of it, surfaces are looked for
+constexpr int kWitnesses = 2;       // neighbours that must lie on a surface on which a pixel fits
+constexpr double kTold_px = 1.0;    // so near to the LiDAR's range a surface is what its beam met:
+constexpr float kTold = 0.1f;       // what fits there may correlate by so much less than in the box
+constexpr double kSlack_px = 4.0;   // matching moves the edges of a gap
+constexpr double kBeyond_px = 8.0;  // so far behind infinity nothing is matched
+constexpr int kRepeats = 3;         // places there on which a pattern fits
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 cv::Rect hull(const std::vector<cv::Rect>& areas) {
@@ -41,7 +44,8 @@ class UnmatchedTexture::Search {
         farthest_m_(farthest_m),
         told_px_(geometry.disparity(told_m)),
         farthest_px_(matcherDisparity(kSmallestScale * geometry.disparity(farthest_m))),
-        nearest_px_(matcherDisparity(geometry.disparity(nearest_m))) {}
+        nearest_px_(matcherDisparity(geometry.disparity(nearest_m))),
+        beyond_px_(matcherDisparity(-kBeyond_px)) {}
 
   /// Runs of a row's pixels without a match whose content the right camera should see.
   template <class Work>
@@ -58,6 +62,18 @@ class UnmatchedTexture::Search {
 
   float correlationInBox(int u, int v) { return matcher_.correlation(u, v, farthest_px_, nearest_px_, scratch_); }
 
+  /// Whether a pixel's content repeats itself: among as many disparities as the box has, but of places where nothing
+  /// can be, several fit. That it fits in the box, too, says nothing.
+  bool repeatsItself(int u, int v) {
+    matcher_.correlations(u, v, beyond_px_ + farthest_px_ - nearest_px_, beyond_px_, scratch_);
+    int peaks = 0;
+    for (std::size_t k = 1; k + 1 < scratch_.size(); ++k) {
+      const bool is_peak = scratch_[k] >= scratch_[k - 1] && scratch_[k] > scratch_[k + 1];
+      peaks += is_peak && scratch_[k] >= WindowMatcher::kFits;
+    }
+    return peaks >= kRepeats;
+  }
+
   struct Fit {
     float depth_m = kNoDepth;
     float correlation = -1.0f;  // and what the LiDAR's word is worth
@@ -65,7 +81,8 @@ class UnmatchedTexture::Search {
 
   /// On the nearest of the surfaces around that lie behind the box, if at least two of the matches next to the pixel
   /// are of such surfaces.
-  Fit behind(int u, int v) {
+  /// @param least_correlation of windows that fit.
+  Fit behind(int u, int v, float least_correlation) {
     Fit fit;
     int witnesses = 0;
     std::optional<int> surface_px;
@@ -76,7 +93,7 @@ class UnmatchedTexture::Search {
         surface_px = next_px;
         correlation = correlationAt(u, v, next_px);
       }
-      if (correlation < WindowMatcher::kFits) continue;
+      if (correlation < least_correlation) continue;
       ++witnesses;
       const bool is_told = std::abs(geometry_.disparity(depth_m) - told_px_) <= kTold_px;
       fit.correlation = std::max(fit.correlation, correlation + (is_told ? kTold : 0.0f));
@@ -130,7 +147,7 @@ class UnmatchedTexture::Search {
   const cv::Mat& matched_m_;
   const WindowMatcher& matcher_;
   double farthest_m_, told_px_;
-  int farthest_px_, nearest_px_;
+  int farthest_px_, nearest_px_, beyond_px_;
   std::vector<float> scratch_;
 };
 
@@ -163,13 +180,15 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
 void UnmatchedTexture::judge(int u, int v, const Disparity& disparity, Search& search) {
   const float texture = disparity.texture.at<float>(v, u);
   if (!(texture >= disparity.least_texture)) return;
-  const Search::Fit behind = search.behind(u, v);
-  const bool is_behind = !std::isnan(behind.depth_m), is_clear = texture >= kClear * disparity.least_texture;
+  const bool is_clear = texture >= kClear * disparity.least_texture;
+  const Search::Fit behind = search.behind(u, v, is_clear ? WindowMatcher::kFits : kFaintFits);
+  const bool is_behind = !std::isnan(behind.depth_m);
   if (!is_behind && !is_clear) return;
   const float in_box = search.correlationInBox(u, v);
   const cv::Point pixel = cv::Point(u, v) - area_.tl();
   if (is_behind && behind.correlation >= in_box) behind_m_.at<float>(pixel) = behind.depth_m;
-  if (!is_behind && in_box >= WindowMatcher::kFits) unmatched_.at<float>(pixel) = texture;
+  if (is_behind || in_box < WindowMatcher::kFits || search.repeatsItself(u, v)) return;
+  unmatched_.at<float>(pixel) = texture;
 }
 
 cv::Mat UnmatchedTexture::image() const {

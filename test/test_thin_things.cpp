@@ -35,13 +35,25 @@ TEST(ThinThings, ALevelEdgeThatIsMatchedABitBehindTheBoxMayBeInIt) {
   EXPECT_FALSE(View(endToldTooFar(1.1)).mayHold());
 }
 
-TEST(ThinThings, WhatTheMapTakesToBeInTheBoxIsJudgedThere) {
-  EXPECT_FALSE(View(3.5).mayHold());
-  EXPECT_FALSE(View(endToldTooFar(0.9 * kBand_px)).mayHold());
-  EXPECT_TRUE(View(endToldTooFar(1.1 * kBand_px)).mayHold());
+TEST(ThinThings, AFewPixelsAreChance) { EXPECT_FALSE(View(endToldTooFar(0.9), 11).mayHold()); }
+
+TEST(ThinThings, AFewPixelsThatTheMapTakesToBeInTheBoxAreJudgedThere) {
+  EXPECT_FALSE(View(endToldTooFar(0.9 * kBand_px), 20).mayHold());
+  EXPECT_TRUE(View(endToldTooFar(1.1 * kBand_px), 20).mayHold());
 }
 
-TEST(ThinThings, AFewPixelsAreChance) { EXPECT_FALSE(View(endToldTooFar(0.9), 11).mayHold()); }
+TEST(ThinThings, ALeafsPixelsMayBeInTheBoxWithoutAHit) {
+  EXPECT_TRUE(View(3.8, 32).mayHold());
+  EXPECT_FALSE(View(3.8, 20).mayHold());
+  View broad(3.8, 32);
+  broad.disparity.thin.setTo(0);
+  EXPECT_FALSE(broad.mayHold());
+  View bent(3.8, 32);  // of its pixels but a few are matched with what is beside it
+  bent.disparity.thin.colRange(kGeometry.size().width / 2 + 12, kGeometry.size().width).setTo(0);
+  EXPECT_TRUE(bent.mayHold());
+}
+
+TEST(ThinThings, PixelsCountByWhatTheyShow) { EXPECT_FALSE(View(2.0, 60).mayHold()) << "as long as 15 at the end"; }
 
 TEST(ThinThings, WhatIsNotLevelIsTakenToBeMatchedBetter) {
   for (const double error_px : {0.5, 0.7}) {

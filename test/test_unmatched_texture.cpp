@@ -98,6 +98,18 @@ TEST(UnmatchedTexture, WhatWouldNotFitInTheBoxIsNoSign) {
   EXPECT_EQ(share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), behind), 0.0);
 }
 
+TEST(UnmatchedTexture, WhatRepeatsItselfIsNoSign) {
+  const cv::Range gap(kMiddle - 2, kMiddle + 14);  // with what its windows reach
+  StereoFrame pair = pairWithDisparity(kInTheBox_px);
+  const auto repeat = [&](int beside_px) {  // behind infinity
+    pair.left.colRange(gap).copyTo(pair.right.colRange(gap.start + beside_px, gap.end + beside_px));
+    return share(wallWithGap(kMiddle, 12), evenTexture(kClearTexture), corridor(), pair);
+  };
+  EXPECT_GT(repeat(10), 0.0);
+  EXPECT_GT(repeat(28), 0.0) << "of two wires each fits on the other";
+  EXPECT_EQ(repeat(46), 0.0);
+}
+
 TEST(UnmatchedTexture, WhatFitsOnASurfaceBesideItAndBehindTheBoxTooIsNoSign) {
   constexpr int kGap_px = 12;
   StereoFrame pair = pairWithDisparity(kInTheBox_px);
@@ -127,6 +139,23 @@ TEST(UnmatchedTexture, WhatFitsOnTheSurfaceAroundItBehindTheBoxFillsIt) {
   EXPECT_EQ(cv::countNonZero(filled(pairWithDisparity(kFar_px), matched_m, 0.9f * kLeastTexture) == kFar_m),
             kGeometry.size().width - 12)
       << "none is not";
+}
+
+TEST(UnmatchedTexture, LittleTextureFitsThoughNoiseTakesFromItsCorrelation) {
+  const auto filledOf12 = [](double noise_grey, float texture) {
+    StereoFrame pair = pairWithDisparity(kFar_px);
+    cv::Mat noise(pair.right.size(), CV_16SC1), noisy;
+    cv::RNG(9).fill(noise, cv::RNG::UNIFORM, -noise_grey, noise_grey);
+    cv::add(pair.right, noise, noisy, cv::noArray(), CV_8U);
+    pair.right = noisy;
+    const cv::Mat depth_m = filled(pair, wallWithGap(kMiddle, 12), texture);
+    return cv::countNonZero(depth_m == kFar_m) - (kGeometry.size().width - 12);
+  };
+  constexpr float kFaintTexture = 1.1f * kLeastTexture;
+  EXPECT_EQ(filledOf12(60.0, kFaintTexture), 12);
+  EXPECT_EQ(filledOf12(130.0, kFaintTexture), filledOf12(130.0, kClearTexture) + 12)
+      << "clear texture should fit better";
+  EXPECT_EQ(filledOf12(255.0, kFaintTexture), 0);
 }
 
 TEST(UnmatchedTexture, WhatHasADepthKeepsIt) {
