@@ -22,18 +22,21 @@ int oddBelow(double px) { return static_cast<int>(px / 2.0) * 2 + 1; }
 
 }  // namespace
 
-bool mayHideThing(const Box& box_C, const cv::Mat& filled_m, const Disparity& disparity,
+bool mayHideThing(const Box& box_C, const DepthImages& depth, const Disparity& disparity,
                   const StereoGeometry& geometry) {
-  const cv::Rect view = viewOfFarPart(box_C, geometry), image({}, filled_m.size());  // nearer, small things look large
+  const cv::Rect view = viewOfFarPart(box_C, geometry),
+                 image({}, depth.filled_m.size());  // nearer, small things look large
   const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).z();
-  if (filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
+  if (depth.filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
   const double square_px = std::max(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px);
   const int hole_px = oddBelow(square_px), around_px = oddBelow(kAround * hole_px);
 
   const cv::Point reach(around_px / 2, around_px / 2);
   const cv::Rect area = cv::Rect(view.tl() - reach, view.br() + reach) & image;
-  cv::Mat share, lowest_px, highest_px;
-  cv::boxFilter(~(filled_m(area) == filled_m(area)), share, CV_32F, {hole_px, hole_px});  // of 255
+  const cv::Mat filled_m = depth.filled_m(area);
+  cv::Mat is_empty = ~(filled_m == filled_m), share, lowest_px, highest_px;
+  if (!depth.background.empty()) is_empty.setTo(0, depth.background(area));
+  cv::boxFilter(is_empty, share, CV_32F, {hole_px, hole_px});  // of 255
   const cv::Mat matched_px = disparity.matched_px(area), is_unmatched = ~(matched_px == matched_px);
   const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, {around_px, around_px});
   matched_px.copyTo(lowest_px);

@@ -93,7 +93,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.map_ms);
     const UnmatchedTexture texture = unmatchedTexture(boxInCamera());
-    texture.fill(depth_.filled_m);
+    texture.fill(depth_);
     doubts_ = doubts(boxInCamera(), texture);
     report_.clears = isTrusted();
     updateMap();
@@ -192,7 +192,7 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
   const Box box_C = inCamera(box_M);
-  if (map_.showsOutline(box_M) || mayHideThing(box_C, depth_.filled_m, disparity_, geometry_) ||
+  if (map_.showsOutline(box_M) || mayHideThing(box_C, depth_, disparity_, geometry_) ||
       mayHoldThinThing(box_C, depth_.matched_m, disparity_, geometry_, config_.map.hit_band_px)) {
     reasons |= kOutline;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -21,8 +22,6 @@ constexpr int kWitnesses = 2;       // neighbours that must lie on a surface on 
 constexpr double kTold_px = 1.0;    // so near to the LiDAR's range a surface is what its beam met:
 constexpr float kTold = 0.1f;       // what fits there may correlate by so much less than in the box
 constexpr double kSlack_px = 4.0;   // matching moves the edges of a gap
-constexpr double kBeyond_px = 8.0;  // so far behind infinity nothing is matched
-constexpr int kRepeats = 3;         // places there on which a pattern fits
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 cv::Rect hull(const std::vector<cv::Rect>& areas) {
@@ -44,8 +43,7 @@ class UnmatchedTexture::Search {
         farthest_m_(farthest_m),
         told_px_(geometry.disparity(told_m)),
         farthest_px_(matcherDisparity(kSmallestScale * geometry.disparity(farthest_m))),
-        nearest_px_(matcherDisparity(geometry.disparity(nearest_m))),
-        beyond_px_(matcherDisparity(-kBeyond_px)) {}
+        nearest_px_(matcherDisparity(geometry.disparity(nearest_m))) {}
 
   /// Runs of a row's pixels without a match whose content the right camera should see.
   template <class Work>
@@ -61,18 +59,6 @@ class UnmatchedTexture::Search {
   }
 
   float correlationInBox(int u, int v) { return matcher_.correlation(u, v, farthest_px_, nearest_px_, scratch_); }
-
-  /// Whether a pixel's content repeats itself: among as many disparities as the box has, but of places where nothing
-  /// can be, several fit. That it fits in the box, too, says nothing.
-  bool repeatsItself(int u, int v) {
-    matcher_.correlations(u, v, beyond_px_ + farthest_px_ - nearest_px_, beyond_px_, scratch_);
-    int peaks = 0;
-    for (std::size_t k = 1; k + 1 < scratch_.size(); ++k) {
-      const bool is_peak = scratch_[k] >= scratch_[k - 1] && scratch_[k] > scratch_[k + 1];
-      peaks += is_peak && scratch_[k] >= WindowMatcher::kFits;
-    }
-    return peaks >= kRepeats;
-  }
 
   struct Fit {
     float depth_m = kNoDepth;
@@ -147,7 +133,7 @@ class UnmatchedTexture::Search {
   const cv::Mat& matched_m_;
   const WindowMatcher& matcher_;
   double farthest_m_, told_px_;
-  int farthest_px_, nearest_px_, beyond_px_;
+  int farthest_px_, nearest_px_;
   std::vector<float> scratch_;
 };
 
@@ -158,6 +144,7 @@ UnmatchedTexture::UnmatchedTexture(const StereoGeometry& geometry, const StereoF
   area_ = hull(views);
   if (area_.empty()) return;
   unmatched_ = cv::Mat::zeros(area_.size(), CV_32FC1);
+  background_ = cv::Mat::zeros(area_.size(), CV_8UC1);
   behind_m_ = cv::Mat(area_.size(), CV_32FC1, cv::Scalar(kNoDepth));
   cv::Mat broad_m = matched_m.clone();
   if (!disparity.small.empty()) broad_m.setTo(kNoDepth, disparity.small);
@@ -186,8 +173,9 @@ void UnmatchedTexture::judge(int u, int v, const Disparity& disparity, Search& s
   if (!is_behind && !is_clear) return;
   const float in_box = search.correlationInBox(u, v);
   const cv::Point pixel = cv::Point(u, v) - area_.tl();
+  if (is_behind && is_clear) background_.at<std::uint8_t>(pixel) = 255;
   if (is_behind && behind.correlation >= in_box) behind_m_.at<float>(pixel) = behind.depth_m;
-  if (is_behind || in_box < WindowMatcher::kFits || search.repeatsItself(u, v)) return;
+  if (is_behind || in_box < WindowMatcher::kFits) return;
   unmatched_.at<float>(pixel) = texture;
 }
 
@@ -197,9 +185,11 @@ cv::Mat UnmatchedTexture::image() const {
   return image;
 }
 
-void UnmatchedTexture::fill(cv::Mat& depth_m) const {
+void UnmatchedTexture::fill(DepthImages& depth) const {
+  depth.background = cv::Mat::zeros(size_, CV_8UC1);
   if (area_.empty()) return;
-  cv::Mat area_m = depth_m(area_);
+  background_.copyTo(depth.background(area_));
+  cv::Mat area_m = depth.filled_m(area_);
   behind_m_.copyTo(area_m, ~(area_m == area_m));  // NaN != NaN is false in OpenCV's vector code
 }
 

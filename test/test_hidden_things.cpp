@@ -31,13 +31,14 @@ struct View {
   View(cv::Point middle, int size_px) : hole(middle.x - size_px / 2, middle.y - size_px / 2, size_px, size_px) {
     disparity.matched_px = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kGeometry.disparity(kWall_m)));
     disparity.matched_px(hole).setTo(kNothing);
-    filled_m(hole).setTo(kNothing);
+    depth.filled_m = cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kWall_m));
+    depth.filled_m(hole).setTo(kNothing);
   }
 
-  bool mayHide(const Box& box = corridor()) const { return mayHideThing(box, filled_m, disparity, kGeometry); }
+  bool mayHide(const Box& box = corridor()) const { return mayHideThing(box, depth, disparity, kGeometry); }
 
   cv::Rect hole;
-  cv::Mat filled_m{kGeometry.size(), CV_32FC1, cv::Scalar(kWall_m)};
+  DepthImages depth;
   Disparity disparity;
 };
 
@@ -54,8 +55,16 @@ TEST(HiddenThings, ANearerEndShowsThingsLarger) {
 
 TEST(HiddenThings, AHoleThatIsFilledHidesNothing) {
   View view(kMiddle, pixels(0.14, 4.0));
-  view.filled_m(view.hole).setTo(kWall_m);
+  view.depth.filled_m(view.hole).setTo(kWall_m);
   EXPECT_FALSE(view.mayHide());
+}
+
+TEST(HiddenThings, AHoleWhoseTextureIsOfTheBackgroundHidesNothing) {
+  View view(kMiddle, pixels(0.14, 4.0));
+  view.depth.background = cv::Mat::zeros(kGeometry.size(), CV_8UC1);
+  EXPECT_TRUE(view.mayHide());
+  view.depth.background(view.hole).colRange(0, view.hole.width / 3).setTo(255);
+  EXPECT_FALSE(view.mayHide()) << "what is left is too small";
 }
 
 TEST(HiddenThings, HolesBesideANearerSurfaceAreWhatItHides) {
@@ -77,7 +86,7 @@ TEST(HiddenThings, HolesOutsideOfTheFarPartsViewAreNotLookedAt) {
 }
 
 TEST(HiddenThings, WithoutAPairOrABoxInViewThereIsNone) {
-  EXPECT_FALSE(mayHideThing(corridor(), cv::Mat(), Disparity(), kGeometry));
+  EXPECT_FALSE(mayHideThing(corridor(), DepthImages(), Disparity(), kGeometry));
   Box behind = corridor();
   behind.T_M_F.translation().z() = -9.0;
   EXPECT_FALSE(View(kMiddle, pixels(0.14, 4.0)).mayHide(behind));

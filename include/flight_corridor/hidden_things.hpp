@@ -11,11 +11,11 @@ namespace flight_corridor {
 /// Whether a small thing may stand unseen in the far part of a box: the depth image has a hole there, as large as a
 /// thing of 12 cm looks at the box's end, amid matches of one surface. Of a ball or a leaf of a few pixels no match may
 /// be left; it and what it hides from one camera leave such a hole. Beside a nearer surface that is known holes are
-/// what that one hides.
+/// what that one hides; and where the background is told, no thing is.
 /// @param box_C the box in C.
-/// @param filled_m CV_32FC1 of geometry.size(), depth [m], NaN = nothing.
+/// @param depth of geometry.size(); an empty background tells of none.
 /// @param disparity of the same pair.
-bool mayHideThing(const Box& box_C, const cv::Mat& filled_m, const Disparity& disparity,
+bool mayHideThing(const Box& box_C, const DepthImages& depth, const Disparity& disparity,
                   const StereoGeometry& geometry);
 
 }  // namespace flight_corridor

@@ -38,9 +38,9 @@ class UnmatchedTexture {
   /// That texture, in the rectangle around those views; elsewhere 0.  @return CV_32FC1 [grey], the images' size.
   cv::Mat image() const;
 
-  /// Gives pixels without a depth that of the surface behind the box that they fit on.
-  /// @param depth_m CV_32FC1 [m], the images' size, NaN = nothing.
-  void fill(cv::Mat& depth_m) const;
+  /// Gives pixels without a depth that of the surface behind the box that they fit on, and tells the background.
+  /// @param depth of geometry.size(); its background is written.
+  void fill(DepthImages& depth) const;
 
  private:
   class Search;
@@ -48,9 +48,10 @@ class UnmatchedTexture {
   void judge(int u, int v, const Disparity& disparity, Search& search);
 
   cv::Size size_;
-  cv::Rect area_;      // around the views
-  cv::Mat unmatched_;  // CV_32FC1 [grey], of the area
-  cv::Mat behind_m_;   // CV_32FC1 [m], of the area, NaN = nothing
+  cv::Rect area_;       // around the views
+  cv::Mat unmatched_;   // CV_32FC1 [grey], of the area
+  cv::Mat background_;  // CV_8UC1, of the area
+  cv::Mat behind_m_;    // CV_32FC1 [m], of the area, NaN = nothing
   double share_ = 0.0;
 };
 
