@@ -31,6 +31,7 @@ constexpr double kLargestScale = 1.2;   // largest factor from a told depth to t
 constexpr double kBeside_px = 2.0;      // so far beside its surface a window may fit
 constexpr int kFewestFitting = 40;      // windows; fewer say nothing
 constexpr double kRailingShare = 0.23;  // of these; doc/design_notes.md has the shares of railings and of other scenes
+constexpr double kInARow = 0.2;         // of its windows; of two trees that look alike hardly any
 constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
 constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
 constexpr double kFartherShare = 0.1;      // of it, at least
@@ -96,32 +97,58 @@ class SecondMatches {
   std::vector<int> offsets_px_;
 };
 
-/// Windows that have a match in the box.
-struct Bars {
-  int windows = 0;
-  double sum_px = 0.0;  // of the disparities of the surfaces that they were matched on
-
-  void operator+=(const Bars& other) { windows += other.windows, sum_px += other.sum_px; }
-  double surface() const { return sum_px / windows; }
+/// A window that has a match in the box.
+struct Bar {
+  cv::Point at;
+  double surface_px;  // disparity of what it was matched on
+  int offset_px;      // of its match in the box from that
 };
 
-/// By the disparity of their surface and the offset of their match from it [px].
-using BarsAt = std::map<std::pair<int, int>, Bars>;
+/// Those of one surface and one offset.
+struct Railing {
+  std::vector<Bar> bars;
+  double surface_px = 0.0;
+  int offset_px = 0;
+};
 
 /// The most windows of one surface and one offset, give or take a pixel.
-Bars largestRailing(const BarsAt& bars) {
-  Bars largest;
-  for (const auto& bar : bars) {
-    Bars railing;
+Railing largestRailing(const std::vector<Bar>& bars) {
+  const auto wholePixel = [](const Bar& bar) { return static_cast<int>(std::lround(bar.surface_px)); };
+  std::map<std::pair<int, int>, int> windows;
+  for (const Bar& bar : bars) ++windows[{wholePixel(bar), bar.offset_px}];
+  int most = 0, surface_px = 0;
+  Railing railing;
+  for (const auto& [key, count] : windows) {
+    int like = 0;
     for (const int nearer_px : {-1, 0, 1}) {
       for (const int wider_px : {-1, 0, 1}) {
-        const auto like = bars.find({bar.first.first + nearer_px, bar.first.second + wider_px});
-        if (like != bars.end()) railing += like->second;
+        const auto other = windows.find({key.first + nearer_px, key.second + wider_px});
+        if (other != windows.end()) like += other->second;
       }
     }
-    if (railing.windows > largest.windows) largest = railing;
+    if (like > most) most = like, surface_px = key.first, railing.offset_px = key.second;
   }
-  return largest;
+  for (const Bar& bar : bars) {
+    if (std::abs(wholePixel(bar) - surface_px) > 1 || std::abs(bar.offset_px - railing.offset_px) > 1) continue;
+    railing.bars.push_back(bar);
+    railing.surface_px += bar.surface_px / most;
+  }
+  return railing;
+}
+
+/// Share of a railing's windows beside which, so far away as their match is, there is one more of it: each bar was
+/// matched on the next one, which is equal. 1 when all that is out of view.
+double shareInARow(const Railing& railing, const cv::Rect& view) {
+  cv::Mat is_bar = cv::Mat::zeros(view.br().y, view.br().x, CV_8U);
+  for (const Bar& bar : railing.bars) is_bar.at<std::uint8_t>(bar.at) = 255;
+  int in_view = 0, in_a_row = 0;
+  for (const Bar& bar : railing.bars) {
+    const cv::Rect next(bar.at.x - railing.offset_px - kBarStride_px / 2, bar.at.y, kBarStride_px + 1, 1);
+    if (next.x < view.x) continue;
+    ++in_view;
+    in_a_row += cv::countNonZero(is_bar(next)) > 0;
+  }
+  return in_view > 0 ? static_cast<double>(in_a_row) / in_view : 1.0;
 }
 
 /// Whether much of what is seen in and around a view is behind a surface.
@@ -165,7 +192,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
   if (view.empty() || !(end_m > 0.0)) return false;
   SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kReach_px, nearest_m, geometry);
   const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
-  BarsAt bars;
+  std::vector<Bar> bars;
   int fitting = 0;
   for (int v = view.y; v < view.br().y; v += rows_px) {
     for (int u = view.x; u < view.br().x; u += kBarStride_px) {
@@ -174,14 +201,16 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
       const double own_px = geometry.disparity(own_m);
       fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
       for (const int offset_px : matches.offsets()) {
-        bars[{static_cast<int>(std::lround(own_px)), offset_px}] += {1, own_px};
+        bars.push_back({{u, v}, own_px, offset_px});
       }
     }
   }
-  const Bars railing = largestRailing(bars);
-  if (fitting < kFewestFitting || railing.windows < kRailingShare * fitting) return false;
-  if (is_told && railing.windows >= kPatternOnlyShare * fitting) return false;
-  return !showsFarther(view, railing.surface(), disparity, depth_m, geometry);
+  const Railing railing = largestRailing(bars);
+  const auto windows = static_cast<double>(railing.bars.size());
+  if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
+  if (is_told && windows >= kPatternOnlyShare * fitting) return false;
+  if (!(shareInARow(railing, view) >= kInARow)) return false;
+  return !showsFarther(view, railing.surface_px, disparity, depth_m, geometry);
 }
 
 }  // namespace flight_corridor

@@ -23,7 +23,10 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   best_rate_hz_ = std::max(best_rate_hz_ * std::exp(-since_s / kBestMemory_s), rate_hz_);
   repetitions_ = reading.range_m == newest_.range_m ? repetitions_ + 1 : 0;
   if (reading.range_m == -kInfinity) too_close_s_ = reading.stamp_s;
-  if (fused) too_close_s_ = kNaN;
+  if (fused) {
+    too_close_s_ = kNaN;
+    told_s_ = reading.stamp_s;
+  }
   newest_ = reading;
   fused_ = fused;
 }
@@ -37,6 +40,8 @@ double LidarWatch::rate(double stamp_s) const {
 double LidarWatch::range(double stamp_s, double max_age_s) const {
   return fused_ && std::abs(stamp_s - newest_.stamp_s) <= max_age_s ? newest_.range_m : kNaN;
 }
+
+bool LidarWatch::hasTold(double stamp_s, double max_age_s) const { return std::abs(stamp_s - told_s_) <= max_age_s; }
 
 bool LidarWatch::isTooClose(double stamp_s, double max_age_s) const {
   return std::abs(stamp_s - too_close_s_) <= max_age_s;

@@ -231,7 +231,7 @@ double Pipeline::toldDepth(const Box& box_C) const {
   const std::vector<cv::Rect> views = crossSections(box_C, geometry_);
   const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
   const Eigen::Vector2d pixel = geometry_.project(met_C);
-  const bool tells = !(report_.range_reasons & kNoLidar) && !views.empty() && geometry_.contains(pixel) &&
+  const bool tells = report_.lidar_tells && !views.empty() && geometry_.contains(pixel) &&
                      views.front().contains(cv::Point2d(pixel.x(), pixel.y()));
   return tells ? met_C.z() : kNaN;
 }

@@ -266,11 +266,11 @@ bool RangeFusion::bothJumped(const Filter& filter, const Reading& reading) const
          (lidar.gatedFor() > 0.0 || reading.value < filter.mean[0]);
 }
 
-/// Whether a gated reading has lasted, and the other sensor is silent or farther.
+/// Whether a gated reading's surface has lasted, and the other sensor is silent or farther. A lone outlier is of none.
 bool RangeFusion::rulesAlone(const Filter& filter, const Reading& reading) const {
   const SensorTrack& own = filter.tracks[track(reading)];
   const SensorTrack& other = filter.tracks[1 - track(reading)];
-  const bool lasting = reading.stamp_s - own.gated_since_s >= config_.lasting_s;
+  const bool lasting = !own.outlier && reading.stamp_s - own.gated_since_s >= config_.lasting_s;
   return lasting && (!isFollowed(other, reading.stamp_s) || reading.value < filter.mean[0]);
 }
 

@@ -178,6 +178,21 @@ TEST(Railing, FewBarsMayBeChance) {
   }
 }
 
+TEST(Railing, TwoThingsThatLookAlikeStandInNoRow) {
+  constexpr int kApart_px = 50, kWidth_px = 40;
+  const int first = kGeometry.size().width / 2 - 10;  // in the view; one is beside it on the left, the next one is not
+  for (const int count : {2, 3}) {
+    StereoFrame pair = barsBeforeWall({});
+    for (int i = 1; i < count; ++i) {
+      for (const auto& [image, u] : {std::pair(&pair.left, first), std::pair(&pair.right, first - kWall_px)}) {
+        const cv::Mat thing = image->colRange(u, u + kWidth_px);
+        thing.copyTo(image->colRange(u - i * kApart_px, u - i * kApart_px + kWidth_px));
+      }
+    }
+    EXPECT_EQ(isRailing(pair, depthOf(kWall_px)), count == 3) << count << " of them";
+  }
+}
+
 TEST(Railing, WhatIsInTheBoxOrUnknownOrWithoutTextureIsNotOne) {
   EXPECT_FALSE(isRailing(railing(), depthOf(kInTheBox_px)));
   EXPECT_FALSE(isRailing(railing(), depthOf(kWall_px) * std::numeric_limits<float>::quiet_NaN()));

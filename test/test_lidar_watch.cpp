@@ -54,6 +54,17 @@ TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
   EXPECT_TRUE(watch.isRejected());
 }
 
+TEST(LidarWatch, RemembersThatAReadingWasBelievedWhileOthersAreNot) {
+  LidarWatch watch;
+  EXPECT_FALSE(watch.hasTold(1.0, 0.5));
+  watch.add(reading(1.0, 14.0), false);
+  EXPECT_FALSE(watch.hasTold(1.0, 0.5));
+  watch.add(reading(1.1, 5.0), true);
+  watch.add(reading(1.2, 14.0), false);
+  EXPECT_TRUE(watch.hasTold(1.5, 0.5));
+  EXPECT_FALSE(watch.hasTold(1.7, 0.5));
+}
+
 TEST(LidarWatch, NoticesWhatRepeatsToTheLastBit) {
   LidarWatch watch;
   feed(watch, 0.0, 1.0, 100.0);

@@ -65,6 +65,24 @@ TEST(RangeFusionFaults, InLastingDisagreementTheNearerSensorRules) {
   }
 }
 
+TEST(RangeFusionFaults, ALoneNearerReadingOfASensorInLastingDisagreementIsPassedOver) {
+  RangeFusion fusion((FusionConfig()));
+  double stamp = 0.0;
+  const auto feed = [&](double lidar_m, int count) {
+    for (int i = 0; i < count; ++i, stamp += 0.01) {
+      fusion.add(Sensor::Lidar, stamp, lidar_m + 0.001 * (i % 2), kLidarVariance_m2);
+      if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, 10.0, kStereoVariance_m2);
+    }
+  };
+  feed(14.0, 60);
+  ASSERT_TRUE(fusion.at(stamp).disagreement);
+  EXPECT_EQ(fusion.add(Sensor::Lidar, stamp, 6.0, kLidarVariance_m2), Outcome::Gated) << "14 m lasted, not 6 m";
+  EXPECT_NEAR(fusion.at(stamp).range_m, 10.0, 0.2);
+  stamp += 0.01;
+  feed(6.0, 25);
+  EXPECT_NEAR(fusion.at(stamp).range_m, 6.0, 0.2) << "but now 6 m has lasted";
+}
+
 TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateItsReadingsAre) {
   constexpr double kLate_s = 0.2;
   RangeFusion fusion((FusionConfig()));

@@ -53,6 +53,7 @@ TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
   const TrackedRange tracked = tracker.update(1.05, showing(7.0));
   EXPECT_NEAR(tracked.range.range_m, 3.0, 1e-6);
   EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
+  EXPECT_FALSE(tracked.lidar_tells);
   EXPECT_EQ(tracked.range_reasons, kNoLidar);
 }
 
@@ -105,6 +106,20 @@ TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
   EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
   EXPECT_TRUE(tracked.lidar_is_nearer);
   EXPECT_FALSE(tracker.update(3.0, showing(3.0)).lidar_is_nearer) << "one that is silent says nothing";
+}
+
+TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStillTells) {
+  RangeTracker tracker = trackerWithLidar();
+  EXPECT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_tells);
+  const double told_s = 1.49, longest_s = Config().fusion.max_gap_s;
+  for (int i = 1; i <= 60; ++i) {
+    const double stamp_s = told_s + 0.01 * i;
+    tracker.addRange(reading(stamp_s, 14.0 + 0.001 * (i % 2)));
+    const TrackedRange tracked = tracker.update(stamp_s, showing(7.0));
+    ASSERT_TRUE(tracked.range_reasons & kLidarRejected);
+    if (std::abs(stamp_s - told_s - longest_s) < 0.005) continue;
+    EXPECT_EQ(tracked.lidar_tells, stamp_s - told_s < longest_s) << stamp_s;
+  }
 }
 
 TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContradictIt) {

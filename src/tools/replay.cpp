@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "ros/conversions.hpp"
+#include "ros/memory.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
 #include "tools/map_file.hpp"
@@ -200,5 +201,6 @@ int main(int argc, char** argv) {
       .optional("video", "V.avi", "video of overlay, depth and the map from above");
   declareTopics(options);
   options.notes("The node's pipeline without a master: the same bag gives the same table, times aside.");
+  flight_corridor_ros::keepFreedMemory();
   return runTool(options, argc, argv, [&] { return replay(options); });
 }
