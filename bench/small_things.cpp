@@ -25,6 +25,7 @@ constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
 constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
 constexpr std::array<double, 6> kHeights_m{0.03, 0.06, 0.12, 0.25, 0.5, 20.0};
 constexpr std::array<double, 6> kPitches_m{0.06, 0.08, 0.10, 0.12, 0.15, 0.20};
+constexpr std::array<double, 6> kRailingDistances_m{0.8, 1.2, 2.0, 2.5, 3.0, 3.6};
 
 using World = std::vector<sim::Primitive>;
 
@@ -144,5 +145,5 @@ int main(int argc, char** argv) {
   printVerdicts("striped boards each, by height, whose stripes fit on the wall behind the corridor", kHeights_m,
                 kDistances_m, things, stripedBoard);
   std::printf("\n");
-  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kDistances_m, things, railing);
+  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kRailingDistances_m, things, railing);
 }

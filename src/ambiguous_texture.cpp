@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -136,15 +138,15 @@ Railing largestRailing(const std::vector<Bar>& bars) {
   return railing;
 }
 
-/// Share of a railing's windows beside which, so far away as their match is, there is one more of it: each bar was
-/// matched on the next one, which is equal. 1 when all that is out of view.
+/// Share of a railing's windows in whose place on the next bar, on which their own was matched, there is one of it,
+/// too. 1 when all that is out of view.
 double shareInARow(const Railing& railing, const cv::Rect& view) {
   cv::Mat is_bar = cv::Mat::zeros(view.br().y, view.br().x, CV_8U);
   for (const Bar& bar : railing.bars) is_bar.at<std::uint8_t>(bar.at) = 255;
   int in_view = 0, in_a_row = 0;
   for (const Bar& bar : railing.bars) {
-    const cv::Rect next(bar.at.x - railing.offset_px - kBarStride_px / 2, bar.at.y, kBarStride_px + 1, 1);
-    if (next.x < view.x) continue;
+    const cv::Rect next(bar.at.x + railing.offset_px - kBarStride_px / 2, bar.at.y, kBarStride_px + 1, 1);
+    if (next.br().x > view.br().x) continue;
     ++in_view;
     in_a_row += cv::countNonZero(is_bar(next)) > 0;
   }
@@ -200,9 +202,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
       if (!(own_m > end_m) || !(disparity.texture.at<float>(v, u) >= kBarTexture * disparity.least_texture)) continue;
       const double own_px = geometry.disparity(own_m);
       fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
-      for (const int offset_px : matches.offsets()) {
-        bars.push_back({{u, v}, own_px, offset_px});
-      }
+      for (const int offset_px : matches.offsets()) bars.push_back({{u, v}, own_px, offset_px});
     }
   }
   const Railing railing = largestRailing(bars);

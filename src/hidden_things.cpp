@@ -24,8 +24,8 @@ int oddBelow(double px) { return static_cast<int>(px / 2.0) * 2 + 1; }
 
 bool mayHideThing(const Box& box_C, const DepthImages& depth, const Disparity& disparity,
                   const StereoGeometry& geometry) {
-  const cv::Rect view = viewOfFarPart(box_C, geometry),
-                 image({}, depth.filled_m.size());  // nearer, small things look large
+  const cv::Rect view = viewOfFarPart(box_C, geometry);  // nearer, small things look large
+  const cv::Rect image({}, depth.filled_m.size());
   const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).z();
   if (depth.filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
   const double square_px = std::max(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px);

@@ -26,6 +26,9 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (fused) {
     too_close_s_ = kNaN;
     told_s_ = reading.stamp_s;
+    told_m_ = reading.range_m;
+  } else if (!(reading.range_m > told_m_)) {
+    told_s_ = kNaN;
   }
   newest_ = reading;
   fused_ = fused;

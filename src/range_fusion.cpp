@@ -231,15 +231,26 @@ bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) co
   return reading.value > filter.mean[0] && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
 }
 
-/// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart.
+/// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart. A
+/// nearer surface of which an outlier told before takes the run over: two readings agree on it.
 void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
-  const double apart_s = reading.stamp_s - track.gated_s;
-  const bool recent = apart_s <= config_.max_gap_s;
-  const bool same_surface =
-      recent && agree(track.gated_m, track.gated_variance_m2, reading.value, reading.variance_m2, apart_s);
-  track.outlier = recent && !same_surface && !track.outlier;
-  if (track.outlier) return;
-  if (!same_surface) track.gated_since_s = reading.stamp_s;
+  const auto repeats = [&](double stamp_s, double range_m, double variance_m2) {
+    const double apart_s = reading.stamp_s - stamp_s;
+    return apart_s <= config_.max_gap_s && agree(range_m, variance_m2, reading.value, reading.variance_m2, apart_s);
+  };
+  const bool recent = reading.stamp_s - track.gated_s <= config_.max_gap_s;
+  const bool same_surface = repeats(track.gated_s, track.gated_m, track.gated_variance_m2);
+  const bool nearer_again =
+      recent && reading.value < track.gated_m && repeats(track.outlier_s, track.outlier_m, track.outlier_variance_m2);
+  const bool known = same_surface || nearer_again;
+  track.outlier = recent && !known && !track.outlier;
+  if (track.outlier) {
+    track.outlier_s = reading.stamp_s;
+    track.outlier_m = reading.value;
+    track.outlier_variance_m2 = reading.variance_m2;
+    return;
+  }
+  if (!known) track.gated_since_s = reading.stamp_s;
   track.gated_s = reading.stamp_s;
   track.gated_m = reading.value;
   track.gated_variance_m2 = reading.variance_m2;
@@ -289,6 +300,7 @@ void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double
   if (!isFollowed(followed, stamp_s)) return;
   followed.gated_s = stamp_s;
   followed.gated_since_s = -kInfinity;
+  followed.outlier = false;
   followed.gated_m = filter.mean[0];
   followed.gated_variance_m2 = filter.covariance(0, 0);
 }

@@ -60,7 +60,9 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
   }
   tracked.range = fusion_.at(stamp_s);
   tracked.range_lidar_m = lidarRange(stamp_s);
-  tracked.lidar_tells = has_lidar_ && !lidar_.isSlow(stamp_s) && lidar_.hasTold(stamp_s, fusion_config_.max_gap_s);
+  const bool lidar_disagrees = tracked.range.disagreement && !tracked.range.stereo_disagrees;
+  tracked.lidar_tells =
+      lidar_.hasTold(stamp_s, fusion_config_.max_gap_s) && !lidar_.isSlow(stamp_s) && !lidar_disagrees;
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
   const bool is_contradicted =
       tracked.range.stereo_disagrees && !isShownBeside(tracked.range.range_m, disparity.matched_px);

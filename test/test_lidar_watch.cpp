@@ -54,15 +54,22 @@ TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
   EXPECT_TRUE(watch.isRejected());
 }
 
-TEST(LidarWatch, RemembersThatAReadingWasBelievedWhileOthersAreNot) {
+TEST(LidarWatch, ToldWhileNothingButFartherSurfacesIsNotBelieved) {
   LidarWatch watch;
   EXPECT_FALSE(watch.hasTold(1.0, 0.5));
   watch.add(reading(1.0, 14.0), false);
   EXPECT_FALSE(watch.hasTold(1.0, 0.5));
   watch.add(reading(1.1, 5.0), true);
-  watch.add(reading(1.2, 14.0), false);
+  for (const double farther_m : {14.0, kInfinity}) watch.add(reading(1.2, farther_m), false);
   EXPECT_TRUE(watch.hasTold(1.5, 0.5));
   EXPECT_FALSE(watch.hasTold(1.7, 0.5));
+  for (const double other_m : {kNaN, -kInfinity, 0.0, 4.0}) {
+    LidarWatch nearer = watch;
+    nearer.add(reading(1.0, other_m), false);
+    EXPECT_TRUE(nearer.hasTold(1.5, 0.5)) << other_m << " is late";
+    nearer.add(reading(1.3, other_m), false);
+    EXPECT_FALSE(nearer.hasTold(1.5, 0.5)) << other_m;
+  }
 }
 
 TEST(LidarWatch, NoticesWhatRepeatsToTheLastBit) {

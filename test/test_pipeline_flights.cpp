@@ -149,6 +149,31 @@ TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
   EXPECT_GE(ambiguous, 1);
 }
 
+/// Its readings of the last eighth of a second passed between the pickets, that of a fence behind the box.
+TEST(PipelineFlights, ALidarThatMetAPatternTellsOfItUntilSomethingNearerIsMet) {
+  constexpr std::size_t kFrame = 6;
+  sim::SimulationOptions options;
+  options.scene = "fence";
+  options.seed = 1106;
+  options.rate_hz = 4.0;
+  const sim::Simulation simulation(options);
+  Rig rig;
+  rig.T_C_L = simulation.T_B_C().inverse() * simulation.T_B_L();
+  const StereoFrame pair = simulation.frame(kFrame);
+  const RangeReading nearer{pair.stamp_s, 3.0, 0.2, 100.0, 0.03};
+  for (const bool meets_nearer : {false, true}) {
+    Pipeline pipeline(Config(), StereoGeometry(simulation.calibration()), rig);
+    for (const RangeReading& reading : simulation.ranges()) {
+      if (reading.stamp_s <= pair.stamp_s) pipeline.addRange(reading);
+    }
+    if (meets_nearer) pipeline.addRange(nearer);
+    const Report& report = pipeline.process(pair);
+    EXPECT_EQ(report.range_reasons & kLidarRejected, kLidarRejected);
+    EXPECT_EQ((report.verdict.reasons & kUnmatched) != 0, meets_nearer) << describeReasons(report.verdict.reasons);
+    EXPECT_EQ(report.verdict.state, meets_nearer ? State::Unknown : State::Free);
+  }
+}
+
 /// Each bar fits on the next one, as far away as the wall; the LiDAR's beam
 /// passes between them.
 TEST(PipelineFlights, ARailingWhoseBarsFitOnTheWallIsNotFree) {

@@ -65,22 +65,31 @@ TEST(RangeFusionFaults, InLastingDisagreementTheNearerSensorRules) {
   }
 }
 
+/// Half a second of a LiDAR that is farther than stereo, which rules.
+void settleFarther(RangeFusion& fusion, double lidar_m, double stereo_m) {
+  for (int i = 0; i < 60; ++i) {
+    fusion.add(Sensor::Lidar, 0.01 * i, lidar_m + 0.001 * (i % 2), kLidarVariance_m2);
+    if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i, stereo_m, kStereoVariance_m2);
+  }
+}
+
 TEST(RangeFusionFaults, ALoneNearerReadingOfASensorInLastingDisagreementIsPassedOver) {
   RangeFusion fusion((FusionConfig()));
-  double stamp = 0.0;
-  const auto feed = [&](double lidar_m, int count) {
-    for (int i = 0; i < count; ++i, stamp += 0.01) {
-      fusion.add(Sensor::Lidar, stamp, lidar_m + 0.001 * (i % 2), kLidarVariance_m2);
-      if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, 10.0, kStereoVariance_m2);
-    }
-  };
-  feed(14.0, 60);
-  ASSERT_TRUE(fusion.at(stamp).disagreement);
-  EXPECT_EQ(fusion.add(Sensor::Lidar, stamp, 6.0, kLidarVariance_m2), Outcome::Gated) << "14 m lasted, not 6 m";
-  EXPECT_NEAR(fusion.at(stamp).range_m, 10.0, 0.2);
-  stamp += 0.01;
-  feed(6.0, 25);
-  EXPECT_NEAR(fusion.at(stamp).range_m, 6.0, 0.2) << "but now 6 m has lasted";
+  settleFarther(fusion, 14.0, 10.0);
+  ASSERT_TRUE(fusion.at(0.6).disagreement);
+  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.6, 6.0, kLidarVariance_m2), Outcome::Gated) << "14 m lasted, not 6 m";
+  EXPECT_NEAR(fusion.at(0.6).range_m, 10.0, 0.2);
+}
+
+TEST(RangeFusionFaults, TwoNearerReadingsOfASensorInLastingDisagreementRuleThoughOthersCameBetween) {
+  for (const int others : {0, 1, 2}) {
+    RangeFusion fusion((FusionConfig()));
+    settleFarther(fusion, 14.0, 10.0);
+    ASSERT_EQ(fusion.add(Sensor::Lidar, 0.6, 6.0, kLidarVariance_m2), Outcome::Gated);
+    for (int i = 0; i < others; ++i) fusion.add(Sensor::Lidar, 0.61 + 0.01 * i, 14.0, kLidarVariance_m2);
+    EXPECT_EQ(fusion.add(Sensor::Lidar, 0.64, 6.0, kLidarVariance_m2), Outcome::Reinitialised) << others;
+    EXPECT_NEAR(fusion.at(0.64).range_m, 6.0, 0.1) << others;
+  }
 }
 
 TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateItsReadingsAre) {

@@ -111,15 +111,23 @@ TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
 TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStillTells) {
   RangeTracker tracker = trackerWithLidar();
   EXPECT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_tells);
-  const double told_s = 1.49, longest_s = Config().fusion.max_gap_s;
-  for (int i = 1; i <= 60; ++i) {
-    const double stamp_s = told_s + 0.01 * i;
+  constexpr double kPassed_s = 1.5;  // from then on
+  for (int i = 0; i < 40; ++i) {
+    const double stamp_s = kPassed_s + 0.01 * i, lasted_s = stamp_s - kPassed_s;
     tracker.addRange(reading(stamp_s, 14.0 + 0.001 * (i % 2)));
     const TrackedRange tracked = tracker.update(stamp_s, showing(7.0));
     ASSERT_TRUE(tracked.range_reasons & kLidarRejected);
-    if (std::abs(stamp_s - told_s - longest_s) < 0.005) continue;
-    EXPECT_EQ(tracked.lidar_tells, stamp_s - told_s < longest_s) << stamp_s;
+    if (std::abs(lasted_s - Config().fusion.lasting_s) < 0.015) continue;
+    EXPECT_EQ(tracked.lidar_tells, lasted_s < Config().fusion.lasting_s) << lasted_s;
   }
+}
+
+TEST(RangeTracker, ALidarThatMeetsSomethingNearerOrBecomesSlowTellsNoMore) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_tells);
+  EXPECT_FALSE(RangeTracker(tracker).update(1.95, showing(7.0)).lidar_tells) << "slow";
+  tracker.addRange(reading(1.5, 1.0));
+  EXPECT_FALSE(tracker.update(1.5, showing(7.0)).lidar_tells) << "nearer";
 }
 
 TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContradictIt) {

@@ -68,6 +68,7 @@ class RangeFusion {
     double gated_since_s = kNaN;
     double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
     bool outlier = false;  // the last gated reading told of something else, and was passed over
+    double outlier_s = kNaN, outlier_m = kNaN, outlier_variance_m2 = kNaN;  // the last one that was
     double gatedFor() const { return gated_s - gated_since_s; }
   };
   struct Repetition {  // a LiDAR that repeats one value to the last bit, and what was known when that began

@@ -44,11 +44,10 @@ struct StereoFrame {
 
 /// Depth along z of C [m], CV_32FC1, NaN = nothing; and what says more of pixels without one.
 struct DepthImages {
-  cv::Mat matched_m;  ///< From matches alone: what keeps thin things.
-  cv::Mat filled_m;   ///< The same where matched, elsewhere the confident fill: what also holds surfaces with little
-                      ///< texture.
-  cv::Mat
-      background;  ///< CV_8UC1, 255: no match, but clear texture that fits on a surface around, behind the corridor.
+  cv::Mat matched_m;   ///< From matches alone: what keeps thin things.
+  cv::Mat filled_m;    ///< The same where matched, elsewhere the confident fill: what also holds surfaces with little
+                       ///< texture.
+  cv::Mat background;  ///< CV_8UC1, 255: no match, but clear texture that fits on a surface around behind the box.
 };
 
 /// One reading of the one-dimensional LiDAR, as the driver gave it.

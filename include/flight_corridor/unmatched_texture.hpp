@@ -22,8 +22,7 @@ class WindowMatcher;
 /// What would fit in the box, but not on the surfaces around, is what a thing leaves behind whose matches are wrong or
 /// missing. Of two parallel wires each fits on the other; they are found far away, and betrayed by what is left over of
 /// them and by the background that they hide from one camera. Nets and fences do the same. So is a match of a thing
-/// smaller than stereo/speckle_window_px: it blocks where it fills a cell, and is in doubt where it does not. What fits
-/// on several places behind infinity, too, is a pattern, and fits in the box by chance.
+/// smaller than stereo/speckle_window_px: it blocks where it fills a cell, and is in doubt where it does not.
 class UnmatchedTexture {
  public:
   /// @param disparity of the pair.  @param matched_m CV_32FC1, depth of its matches [m], NaN = none.

@@ -13,8 +13,7 @@ constexpr int kLargestOnHeap = 32 << 20;  // bytes: the most that glibc allows
 }  // namespace
 
 void keepFreedMemory() {
-  mallopt(M_MMAP_THRESHOLD, kLargestOnHeap);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  if (mallopt(M_MMAP_THRESHOLD, kLargestOnHeap)) mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 }
 
 }  // namespace flight_corridor_ros

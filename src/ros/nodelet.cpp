@@ -4,7 +4,6 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "ros/memory.hpp"
 #include "ros/node.hpp"
 
 namespace flight_corridor_ros {
@@ -13,7 +12,6 @@ namespace flight_corridor_ros {
 class CorridorNodelet : public nodelet::Nodelet {
  private:
   void onInit() override try {
-    keepFreedMemory();
     node_.emplace(getNodeHandle(), getPrivateNodeHandle());
   } catch (const std::exception& error) {
     NODELET_FATAL("%s", error.what());
