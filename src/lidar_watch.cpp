@@ -25,10 +25,9 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (reading.range_m == -kInfinity) too_close_s_ = reading.stamp_s;
   if (fused) {
     too_close_s_ = kNaN;
-    told_s_ = reading.stamp_s;
-    told_m_ = reading.range_m;
-  } else if (!(reading.range_m > told_m_)) {
-    told_s_ = kNaN;
+    told_ = reading;
+  } else if (!(reading.range_m > told_.range_m)) {
+    told_ = RangeReading();
   }
   newest_ = reading;
   fused_ = fused;
@@ -44,7 +43,9 @@ double LidarWatch::range(double stamp_s, double max_age_s) const {
   return fused_ && std::abs(stamp_s - newest_.stamp_s) <= max_age_s ? newest_.range_m : kNaN;
 }
 
-bool LidarWatch::hasTold(double stamp_s, double max_age_s) const { return std::abs(stamp_s - told_s_) <= max_age_s; }
+bool LidarWatch::hasTold(double stamp_s, double max_age_s) const {
+  return std::abs(stamp_s - told_.stamp_s) <= max_age_s;
+}
 
 bool LidarWatch::isTooClose(double stamp_s, double max_age_s) const {
   return std::abs(stamp_s - too_close_s_) <= max_age_s;

@@ -101,7 +101,7 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
     const SensorTrack& track = now.tracks[static_cast<std::size_t>(sensor)];
     if (isContradicted(track, stamp_s)) {
       estimate.disagreement = true;
-      estimate.disagreeing_m = track.gated_m;
+      estimate.disagreeing_m = track.gated.value;
       estimate.stereo_disagrees = sensor == Sensor::Stereo;
     }
   }
@@ -178,7 +178,7 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
   const auto accept = [&](Outcome outcome) {
     own.period_s = reading.stamp_s - own.accepted_s;
     own.accepted_s = reading.stamp_s;
-    own.gated_since_s = own.gated_s = kNaN;
+    own.gated_since_s = own.gated.stamp_s = kNaN;
     return outcome;
   };
   const bool forgotten = !filter.initialised() || !(reading.stamp_s - filter.lastAccepted() <= config_.max_gap_s);
@@ -234,32 +234,26 @@ bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) co
 /// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart. A
 /// nearer surface of which an outlier told before takes the run over: two readings agree on it.
 void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
-  const auto repeats = [&](double stamp_s, double range_m, double variance_m2) {
-    const double apart_s = reading.stamp_s - stamp_s;
-    return apart_s <= config_.max_gap_s && agree(range_m, variance_m2, reading.value, reading.variance_m2, apart_s);
+  const auto follows = [&](const Reading& earlier) {
+    return reading.stamp_s - earlier.stamp_s <= config_.max_gap_s && agree(earlier, reading);
   };
-  const bool recent = reading.stamp_s - track.gated_s <= config_.max_gap_s;
-  const bool same_surface = repeats(track.gated_s, track.gated_m, track.gated_variance_m2);
-  const bool nearer_again =
-      recent && reading.value < track.gated_m && repeats(track.outlier_s, track.outlier_m, track.outlier_variance_m2);
-  const bool known = same_surface || nearer_again;
+  const bool recent = reading.stamp_s - track.gated.stamp_s <= config_.max_gap_s;
+  const bool nearer_again = recent && reading.value < track.gated.value && follows(track.passed_over);
+  const bool known = follows(track.gated) || nearer_again;
   track.outlier = recent && !known && !track.outlier;
   if (track.outlier) {
-    track.outlier_s = reading.stamp_s;
-    track.outlier_m = reading.value;
-    track.outlier_variance_m2 = reading.variance_m2;
+    track.passed_over = reading;
     return;
   }
   if (!known) track.gated_since_s = reading.stamp_s;
-  track.gated_s = reading.stamp_s;
-  track.gated_m = reading.value;
-  track.gated_variance_m2 = reading.variance_m2;
+  track.gated = reading;
 }
 
-/// Whether two ranges taken apart_s from one another can be of one surface; NaN never is.
-bool RangeFusion::agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const {
-  const double variance = a_variance_m2 + b_variance_m2 + squared(kFirstRateSigma_mps * apart_s);
-  return squared(a_m - b_m) <= squared(config_.gate_sigma) * variance;
+/// Whether two ranges can be of one surface; NaN never is.
+bool RangeFusion::agree(const Reading& earlier, const Reading& later) const {
+  const double variance =
+      earlier.variance_m2 + later.variance_m2 + squared(kFirstRateSigma_mps * (later.stamp_s - earlier.stamp_s));
+  return squared(earlier.value - later.value) <= squared(config_.gate_sigma) * variance;
 }
 
 bool RangeFusion::differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const {
@@ -271,9 +265,7 @@ bool RangeFusion::differ(double a_m, double a_variance_m2, double b_m, double b_
 bool RangeFusion::bothJumped(const Filter& filter, const Reading& reading) const {
   const SensorTrack& other = filter.tracks[1 - track(reading)];
   const SensorTrack& lidar = filter.tracks[0];
-  const double apart_s = reading.stamp_s - other.gated_s;
-  return apart_s <= kTogether_s &&
-         agree(other.gated_m, other.gated_variance_m2, reading.value, reading.variance_m2, apart_s) &&
+  return reading.stamp_s - other.gated.stamp_s <= kTogether_s && agree(other.gated, reading) &&
          (lidar.gatedFor() > 0.0 || reading.value < filter.mean[0]);
 }
 
@@ -292,17 +284,15 @@ bool RangeFusion::isFollowed(const SensorTrack& track, double stamp_s) const {
 
 /// Whether a sensor is in lasting disagreement with the estimate.
 bool RangeFusion::isContradicted(const SensorTrack& track, double stamp_s) const {
-  return stamp_s - track.gated_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
+  return stamp_s - track.gated.stamp_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
 }
 
 /// Whoever the present estimate followed is in lasting disagreement from now on.
 void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
   if (!isFollowed(followed, stamp_s)) return;
-  followed.gated_s = stamp_s;
+  followed.gated = {followed.gated.kind, stamp_s, filter.mean[0], filter.covariance(0, 0)};
   followed.gated_since_s = -kInfinity;
   followed.outlier = false;
-  followed.gated_m = filter.mean[0];
-  followed.gated_variance_m2 = filter.covariance(0, 0);
 }
 
 }  // namespace flight_corridor

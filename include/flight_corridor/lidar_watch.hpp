@@ -33,7 +33,7 @@ class LidarWatch {
 
   RangeReading newest_;  // its stamp is NaN before the first one
   bool fused_ = false;
-  double told_s_ = kNaN, told_m_ = kNaN;       // the last reading that was believed, unless a nearer one was not since
+  RangeReading told_;                          // the last one that was believed, unless a nearer one was not since
   double too_close_s_ = kNaN;                  // of the last reading that said so, unless one was believed since
   int repetitions_ = 0;                        // of its range, by the readings before it
   double rate_hz_ = 0.0, best_rate_hz_ = 0.0;  // at the newest reading, and the best of late

@@ -58,18 +58,18 @@ class RangeFusion {
  private:
   enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order in which equal stamps are taken
   struct Reading {
-    Kind kind;
-    double stamp_s, value, variance_m2;  // value: range [m] or acceleration [m/s^2]
+    Kind kind = Kind::Lidar;
+    double stamp_s = kNaN, value = kNaN, variance_m2 = kNaN;  // value: range [m] or acceleration [m/s^2]
   };
   /// Per-sensor memory that the gate needs.
   struct SensorTrack {
     double accepted_s = -kInfinity;  // its newest accepted reading
     double period_s = kInfinity;     // from the one before to that
     double gated_since_s = kNaN;
-    double gated_s = kNaN, gated_m = kNaN, gated_variance_m2 = kNaN;
+    Reading gated;         // the newest of that run
     bool outlier = false;  // the last gated reading told of something else, and was passed over
-    double outlier_s = kNaN, outlier_m = kNaN, outlier_variance_m2 = kNaN;  // the last one that was
-    double gatedFor() const { return gated_s - gated_since_s; }
+    Reading passed_over;   // the last one that was
+    double gatedFor() const { return gated.stamp_s - gated_since_s; }
   };
   struct Repetition {  // a LiDAR that repeats one value to the last bit, and what was known when that began
     double lidar_m = kNaN, since_s = kNaN;
@@ -112,7 +112,7 @@ class RangeFusion {
   bool isFollowed(const SensorTrack& track, double stamp_s) const;
   bool isContradicted(const SensorTrack& track, double stamp_s) const;
   void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
-  bool agree(double a_m, double a_variance_m2, double b_m, double b_variance_m2, double apart_s) const;
+  bool agree(const Reading& earlier, const Reading& later) const;
   bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
   static void initialise(Filter& filter, const Reading& reading, double rate_sigma_mps);
 
