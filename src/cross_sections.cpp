@@ -45,6 +45,11 @@ std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geom
   return views;
 }
 
+cv::Rect viewOfEnd(const Box& box_C, const StereoGeometry& geometry) {
+  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
+  return views.empty() ? cv::Rect() : views.front();
+}
+
 cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry) {
   const std::vector<cv::Rect> views = crossSections(box_C, geometry);
   return views.empty() ? cv::Rect() : views[std::min<std::size_t>(1, views.size() - 1)];

@@ -7,6 +7,7 @@
 
 #include "flight_corridor/ambiguous_texture.hpp"
 #include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/grazing_things.hpp"
 #include "flight_corridor/hidden_things.hpp"
 #include "flight_corridor/thin_things.hpp"
 
@@ -192,8 +193,10 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
   const Box box_C = inCamera(box_M);
+  const double band_px = config_.map.hit_band_px;
   if (map_.showsOutline(box_M) || mayHideThing(box_C, depth_, disparity_, geometry_) ||
-      mayHoldThinThing(box_C, depth_.matched_m, disparity_, geometry_, config_.map.hit_band_px)) {
+      mayHoldThinThing(box_C, depth_.matched_m, disparity_, geometry_, band_px) ||
+      mayBeGrazed(box_C, depth_.filled_m, geometry_, band_px)) {
     reasons |= kOutline;
   }
   return reasons;
@@ -228,11 +231,10 @@ std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture
 /// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
 /// is where the LiDAR says.
 double Pipeline::toldDepth(const Box& box_C) const {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry_);
   const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
   const Eigen::Vector2d pixel = geometry_.project(met_C);
-  const bool tells = report_.lidar_tells && !views.empty() && geometry_.contains(pixel) &&
-                     views.front().contains(cv::Point2d(pixel.x(), pixel.y()));
+  const bool tells = report_.lidar_tells && geometry_.contains(pixel) &&
+                     viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
   return tells ? met_C.z() : kNaN;
 }
 

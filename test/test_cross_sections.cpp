@@ -34,6 +34,11 @@ TEST(CrossSections, TheyGrowTowardsTheCamera) {
   EXPECT_NEAR(views.back().width, 350.0 * 1.2 / (4.0 * std::pow(0.85, 11)), 1.0);
 }
 
+TEST(CrossSections, TheViewOfTheEndIsTheFirstInView) {
+  EXPECT_EQ(viewOfEnd(ahead(4.0), kGeometry), crossSections(ahead(4.0), kGeometry)[0]);
+  EXPECT_TRUE(viewOfEnd(ahead(4.0, {0.0, 20.0, 0.0}), kGeometry).empty());
+}
+
 TEST(CrossSections, TheFarPartIsSeenALittleBeforeTheEnd) {
   EXPECT_EQ(viewOfFarPart(ahead(4.0), kGeometry), crossSections(ahead(4.0), kGeometry)[1]);
   EXPECT_EQ(viewOfFarPart(ahead(0.3), kGeometry), crossSections(ahead(0.3), kGeometry)[0]) << "it has no other";

@@ -13,6 +13,9 @@ namespace flight_corridor {
 /// All of the image where only a part of a cross-section is behind the camera.
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry);
 
+/// The first of them; or empty, where none is in view.
+cv::Rect viewOfEnd(const Box& box_C, const StereoGeometry& geometry);
+
 /// The second of them, a little before the end; the only one; or empty, where none is in view.
 cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry);
 

@@ -1,0 +1,63 @@
+#include <gtest/gtest.h>
+
+#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/grazing_things.hpp"
+#include "support/calibrations.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::vgaCalibration());  // f = 350 px, 640 x 480
+constexpr double kBand_px = 0.12;
+const Box kBox = Corridor(CorridorConfig()).box(opticalFromForward());
+const cv::Rect kEnd = viewOfEnd(kBox, kGeometry);
+
+/// Depth at which the box's end is told to be by a match that is so much too far.
+double endToldTooFar(double error_px) { return kGeometry.shiftedDepth(kBox.size_m.x(), -error_px); }
+
+/// A patch that reaches so far over the right side of the end's view, at one depth before a far wall.
+bool isGrazedBy(double depth_m, int inside_px, int height_px = 10) {
+  cv::Mat view(kGeometry.size(), CV_32FC1, cv::Scalar(9.0));
+  view(cv::Rect(kEnd.br().x - inside_px, kEnd.y + 5, 40, height_px)) = depth_m;
+  return mayBeGrazed(kBox, view, kGeometry, kBand_px);
+}
+
+TEST(GrazingThings, ACornerJustBehindTheEndMayReachIn) {
+  EXPECT_TRUE(isGrazedBy(endToldTooFar(0.45), 2));
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.55), 2));
+}
+
+TEST(GrazingThings, ItsEdgeMayBeMatchedAFewPixelsBeside) {
+  EXPECT_TRUE(isGrazedBy(endToldTooFar(0.2), -2));
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.2), -5));
+}
+
+TEST(GrazingThings, WhatTheMapTakesToBeInTheBoxIsJudgedThere) {
+  EXPECT_TRUE(isGrazedBy(endToldTooFar(1.1 * kBand_px), 2));
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.9 * kBand_px), 2));
+  EXPECT_FALSE(isGrazedBy(3.0, -2)) << "beside the box, before its end";
+}
+
+TEST(GrazingThings, AFewPixelsAreChance) {
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.2), 2, 1));
+  EXPECT_TRUE(isGrazedBy(endToldTooFar(0.2), 2, 4));
+}
+
+TEST(GrazingThings, AWallCloseBehindTheEndIsWhereItIsMatched) {
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.45), kEnd.width, kEnd.height - 10));
+}
+
+TEST(GrazingThings, WithoutAnImageOrAViewOfTheEndThereAreNone) {
+  EXPECT_FALSE(mayBeGrazed(kBox, cv::Mat(), kGeometry, kBand_px));
+  const cv::Mat near_wall(kGeometry.size(), CV_32FC1, cv::Scalar(endToldTooFar(0.2)));
+  const Box behind{kBox.T_M_F * Eigen::Translation3d(-9.0, 0.0, 0.0), kBox.size_m};
+  EXPECT_FALSE(mayBeGrazed(behind, near_wall, kGeometry, kBand_px));
+}
+
+TEST(GrazingThings, NoDepthIsNowhere) {
+  EXPECT_FALSE(mayBeGrazed(kBox, cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), kGeometry, kBand_px));
+}
+
+}  // namespace
+}  // namespace flight_corridor
