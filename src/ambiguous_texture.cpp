@@ -35,6 +35,9 @@ constexpr int kFewestFitting = 40;      // windows; fewer say nothing
 constexpr double kRailingShare = 0.23;  // of these; doc/design_notes.md has the shares of railings and of other scenes
 constexpr double kInARow = 0.2;         // of its windows; of two trees that look alike hardly any
 constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
+constexpr double kWidePitch_m = 0.3;       // of bars at their match's distance: farther apart than those of fences
+constexpr double kWideInARow = 0.4;        // of their windows, at least; of a forest's fewer are
+constexpr double kOfAPitch = 0.6;          // of the most windows: so many agree on the pitch where most do on a multiple
 constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
 constexpr double kFartherShare = 0.1;      // of it, at least
 
@@ -113,13 +116,26 @@ struct Railing {
   int offset_px = 0;
 };
 
-/// The most windows of one surface and one offset, give or take a pixel.
+int wholePixel(const Bar& bar) { return static_cast<int>(std::lround(bar.surface_px)); }
+
+/// The windows of one surface and one offset, give or take a pixel.
+Railing railingOf(const std::vector<Bar>& bars, int surface_px, int offset_px) {
+  Railing railing;
+  railing.offset_px = offset_px;
+  for (const Bar& bar : bars) {
+    if (std::abs(wholePixel(bar) - surface_px) > 1 || std::abs(bar.offset_px - offset_px) > 1) continue;
+    railing.bars.push_back(bar);
+    railing.surface_px += bar.surface_px;
+  }
+  if (!railing.bars.empty()) railing.surface_px /= static_cast<double>(railing.bars.size());
+  return railing;
+}
+
+/// The most of them.
 Railing largestRailing(const std::vector<Bar>& bars) {
-  const auto wholePixel = [](const Bar& bar) { return static_cast<int>(std::lround(bar.surface_px)); };
   std::map<std::pair<int, int>, int> windows;
   for (const Bar& bar : bars) ++windows[{wholePixel(bar), bar.offset_px}];
-  int most = 0, surface_px = 0;
-  Railing railing;
+  int most = 0, surface_px = 0, offset_px = 0;
   for (const auto& [key, count] : windows) {
     int like = 0;
     for (const int nearer_px : {-1, 0, 1}) {
@@ -128,12 +144,18 @@ Railing largestRailing(const std::vector<Bar>& bars) {
         if (other != windows.end()) like += other->second;
       }
     }
-    if (like > most) most = like, surface_px = key.first, railing.offset_px = key.second;
+    if (like > most) most = like, surface_px = key.first, offset_px = key.second;
   }
-  for (const Bar& bar : bars) {
-    if (std::abs(wholePixel(bar) - surface_px) > 1 || std::abs(bar.offset_px - railing.offset_px) > 1) continue;
-    railing.bars.push_back(bar);
-    railing.surface_px += bar.surface_px / most;
+  return railingOf(bars, surface_px, offset_px);
+}
+
+/// Of the same surface, by the least offset on which nearly as many agree: equal bars fit on each next one, and on
+/// those after it.
+Railing byItsPitch(const Railing& railing, const std::vector<Bar>& bars) {
+  const int surface_px = static_cast<int>(std::lround(railing.surface_px));
+  for (int offset_px = 1; offset_px < railing.offset_px; ++offset_px) {
+    Railing other = railingOf(bars, surface_px, offset_px);
+    if (other.bars.size() >= kOfAPitch * railing.bars.size()) return other;
   }
   return railing;
 }
@@ -151,6 +173,12 @@ double shareInARow(const Railing& railing, const cv::Rect& view) {
     in_a_row += cv::countNonZero(is_bar(next)) > 0;
   }
   return in_view > 0 ? static_cast<double>(in_a_row) / in_view : 1.0;
+}
+
+/// Whether the bars would be farther apart than those of a fence if they were where they were matched.
+bool isTooWideForAFence(const Railing& railing, const cv::Rect& view, const StereoGeometry& geometry) {
+  return railing.offset_px * geometry.calibration().baseline_m > kWidePitch_m * railing.surface_px &&
+         shareInARow(railing, view) >= kWideInARow;
 }
 
 /// Whether much of what is seen in and around a view is behind a surface.
@@ -210,7 +238,8 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
   if (is_told && windows >= kPatternOnlyShare * fitting) return false;
   if (!(shareInARow(railing, view) >= kInARow)) return false;
-  return !showsFarther(view, railing.surface_px, disparity, depth_m, geometry);
+  return isTooWideForAFence(byItsPitch(railing, bars), view, geometry) ||
+         !showsFarther(view, railing.surface_px, disparity, depth_m, geometry);
 }
 
 }  // namespace flight_corridor

@@ -35,9 +35,12 @@ bool isRotation(const Eigen::Matrix3d& R) { return R.isUnitary(kTouch_m) && R.de
 Eigen::Vector3d centre(const Box& box) { return box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0); }
 
 bool contains(const Box& box, const Eigen::Vector3d& point_M) {
-  const Eigen::Vector3d point_F = box.T_M_F.inverse() * point_M;
-  return 0.0 <= point_F.x() && point_F.x() < box.size_m.x() && 2.0 * std::abs(point_F.y()) <= box.size_m.y() &&
-         2.0 * std::abs(point_F.z()) <= box.size_m.z();
+  return contains(box.size_m, box.T_M_F.inverse() * point_M);
+}
+
+bool contains(const Eigen::Vector3d& size_m, const Eigen::Vector3d& point_F) {
+  return 0.0 <= point_F.x() && point_F.x() < size_m.x() && 2.0 * std::abs(point_F.y()) <= size_m.y() &&
+         2.0 * std::abs(point_F.z()) <= size_m.z();
 }
 
 /// Projections of both bodies overlap on every candidate axis: 3 of the cube, 3 of the box, 9 cross products.

@@ -78,6 +78,15 @@ class NearestObstacle {
   double clear_distance_m_ = kInfinity;
 };
 
+/// Cells of a region, and how many of them are unknown.
+struct Cells {
+  std::int64_t all = 0, unknown = 0;
+};
+
+double unknownFraction(const Cells& cells) {
+  return cells.all > 0 ? static_cast<double>(cells.unknown) / static_cast<double>(cells.all) : 1.0;
+}
+
 /// Counts the cells centred in a convex region, cubes of them at once where all or none are.
 class CellCount {
  public:
@@ -86,9 +95,7 @@ class CellCount {
     visit(root(tree), planes_.size());
   }
 
-  double unknownFraction() const {
-    return cells_ > 0 ? static_cast<double>(unknown_cells_) / static_cast<double>(cells_) : 1.0;
-  }
+  const Cells& cells() const { return cells_; }
 
  private:
   struct Plane {
@@ -151,18 +158,23 @@ class CellCount {
       return;
     }
     const std::int64_t cells = std::int64_t{1} << 3 * (tree_.getTreeDepth() - depth);
-    cells_ += cells;
-    if (!node) unknown_cells_ += cells;
+    cells_.all += cells;
+    if (!node) cells_.unknown += cells;
   }
 
   const octomap::OcTree& tree_;
   std::vector<Plane> planes_;
-  std::int64_t cells_ = 0, unknown_cells_ = 0;
+  Cells cells_;
 };
 
 bool isWithin(const octomap::OcTree& tree, const Box& box) {
   const Eigen::Vector3d reach_M = 0.5 * (box.T_M_F.linear().cwiseAbs() * box.size_m);
   return ((centre(box).cwiseAbs() + reach_M).array() <= 0.5 * tree.getNodeSize(0)).all();
+}
+
+/// Those of a box that are centred in a region, too; none when the box reaches out of the octree.
+Cells cellsIn(const octomap::OcTree& tree, const Box& box, const ConvexRegion& region_M) {
+  return isWithin(tree, box) ? CellCount(tree, intersection(inside(box), region_M)).cells() : Cells();
 }
 
 }  // namespace
@@ -191,9 +203,7 @@ CorridorOccupancy inspectBox(const octomap::OcTree& tree, const Box& box, const 
                              const CellBegin& begin) {
   CorridorOccupancy occupancy;
   occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
-  if (isWithin(tree, box)) {
-    occupancy.unknown_fraction = CellCount(tree, intersection(inside(box), needed_M)).unknownFraction();
-  }
+  occupancy.unknown_fraction = unknownFraction(cellsIn(tree, box, needed_M));
   return occupancy;
 }
 
@@ -209,8 +219,15 @@ Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
 
 CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
                                     const ConvexRegion& observable_M, const CellBegin& begin) const {
-  const double camera_m = (box.T_M_F.inverse() * camera_M).x();  // along the box's axis
-  return inspectBox(tree, box, intersection(observable_M, beyond(box, camera_m + config_.blind_m)), begin);
+  const double needed_from_m = (box.T_M_F.inverse() * camera_M).x() + config_.blind_m;  // along the box's axis
+  const ConvexRegion far_half_M = beyond(box, std::max(needed_from_m, 0.5 * box.size_m.x()));
+  const Cells observable = cellsIn(tree, box, intersection(observable_M, beyond(box, needed_from_m)));
+  const Cells far = cellsIn(tree, box, far_half_M), both = cellsIn(tree, box, intersection(observable_M, far_half_M));
+  CorridorOccupancy occupancy;
+  occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
+  occupancy.unknown_fraction =
+      unknownFraction({observable.all + far.all - both.all, observable.unknown + far.unknown - both.unknown});
+  return occupancy;
 }
 
 }  // namespace flight_corridor

@@ -9,14 +9,9 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kError_px = 0.5, kEdge_px = 4.0;  // of a small thing's match, and of its edge's place, at the most
-constexpr double kClose_px = 1.0;                  // no farther behind the end is close
+constexpr double kClose_px = 0.8;                  // no farther behind the end is close
 constexpr double kSmall = 0.25;                    // share of the end's view that small things fill, at the most
 constexpr int kFewest_px = 12;                     // fewer are chance
-
-Box wider(Box box, double beside_m) {
-  box.size_m += 2.0 * beside_m * Eigen::Vector3d(0.0, 1.0, 1.0);
-  return box;
-}
 
 }  // namespace
 
@@ -24,7 +19,9 @@ bool mayBeGrazed(const Box& box_C, const cv::Mat& depth_m, const StereoGeometry&
   const cv::Rect end = viewOfEnd(box_C, geometry);
   if (depth_m.empty() || end.empty()) return false;
   const double end_m = farthestCorner(box_C), close_m = geometry.shiftedDepth(end_m, -kClose_px);
-  const Box reach_C = wider(box_C, kEdge_px * end_m / geometry.calibration().fx_px);
+  const double beside_m = kEdge_px * end_m / geometry.calibration().fx_px;
+  const Eigen::Vector3d reach_m = box_C.size_m + 2.0 * beside_m * Eigen::Vector3d(0.0, 1.0, 1.0);
+  const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
   const cv::Point beside(static_cast<int>(kEdge_px), static_cast<int>(kEdge_px));
   const cv::Rect area = cv::Rect(end.tl() - beside, end.br() + beside) & cv::Rect({}, depth_m.size());
   int grazing = 0, close = 0;
@@ -32,12 +29,12 @@ bool mayBeGrazed(const Box& box_C, const cv::Mat& depth_m, const StereoGeometry&
     const auto* z_m = depth_m.ptr<float>(v);
     for (int u = area.x; u < area.br().x; ++u) {
       if (!(0.0f < z_m[u] && z_m[u] <= close_m)) continue;
-      const auto isIn = [&](const Box& box, double nearer_px) {
-        return contains(box, geometry.point(u, v, geometry.shiftedDepth(z_m[u], nearer_px)));
+      const auto isIn = [&](const Eigen::Vector3d& size_m, double nearer_px) {
+        return contains(size_m, T_F_C * geometry.point(u, v, geometry.shiftedDepth(z_m[u], nearer_px)));
       };
-      if (isIn(reach_C, band_px)) continue;
-      grazing += isIn(reach_C, kError_px);
-      close += isIn(box_C, kClose_px);
+      if (isIn(reach_m, band_px)) continue;
+      grazing += isIn(reach_m, kError_px);
+      close += isIn(box_C.size_m, kClose_px);
     }
   }
   return grazing >= kFewest_px && close < kSmall * end.area();

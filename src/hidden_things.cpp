@@ -16,6 +16,7 @@ constexpr double kHole = 0.75;            // share of a square of that size with
 constexpr double kAround = 2.5;           // that square's sizes, in which matches around are looked at
 constexpr double kSameSurface_px = 3.0;   // matches that differ by less are of one surface
 constexpr double kSmallestSquare_px = 7;  // smaller holes are everywhere
+constexpr double kLargestSquare_px = 63;  // nearer ends: a hole of this size is enough, and takes no longer to find
 constexpr float kInfinite_px = std::numeric_limits<float>::infinity();
 
 int oddBelow(double px) { return static_cast<int>(px / 2.0) * 2 + 1; }
@@ -28,7 +29,7 @@ bool mayHideThing(const Box& box_C, const DepthImages& depth, const Disparity& d
   const cv::Rect image({}, depth.filled_m.size());
   const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).z();
   if (depth.filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
-  const double square_px = std::max(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px);
+  const double square_px = std::clamp(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px, kLargestSquare_px);
   const int hole_px = oddBelow(square_px), around_px = oddBelow(kAround * hole_px);
 
   const cv::Point reach(around_px / 2, around_px / 2);

@@ -24,6 +24,7 @@ struct Matches {
 bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity& disparity,
                       const StereoGeometry& geometry, double band_px) {
   const double end_m = farthestCorner(box_C), farthest_m = geometry.shiftedDepth(end_m, -kLevelError_px);
+  const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
   Matches matches;
   for (int v = 0; v < disparity.thin.rows; ++v) {
     const auto* is_thin = disparity.thin.ptr<std::uint8_t>(v);
@@ -33,7 +34,8 @@ bool mayHoldThinThing(const Box& box_C, const cv::Mat& depth_m, const Disparity&
       if (!(0.0f < z_m[u] && z_m[u] <= farthest_m)) continue;
       const double weight = std::min(z_m[u] * z_m[u] / (end_m * end_m), 1.0);
       const auto inBox = [&](double nearer_px) {
-        return contains(box_C, geometry.point(u, v, geometry.shiftedDepth(z_m[u], nearer_px))) ? weight : 0.0;
+        const Eigen::Vector3d point_F = T_F_C * geometry.point(u, v, geometry.shiftedDepth(z_m[u], nearer_px));
+        return contains(box_C.size_m, point_F) ? weight : 0.0;
       };
       matches.any += inBox(kLeafError_px);
       if (!is_thin[u]) continue;

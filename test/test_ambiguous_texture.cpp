@@ -110,6 +110,7 @@ TEST(AmbiguousTexture, ABlankWallOrABoxOutOfViewIsNot) {
 }
 
 constexpr int kPitch_px = 24, kBar_px = 8;
+constexpr int kFencePitch_px = 14;  // 0.28 m where the wall is
 constexpr std::array<int, kBar_px> kBar{160, 230, 240, 150, 200, 170, 180, 250};  // its columns
 
 /// Bars before a wall of noise, each of which fits on another one at the wall's
@@ -157,7 +158,9 @@ TEST(Railing, AFenceShowsWhatIsFartherBesideIt) {
     const int first = view.y - static_cast<int>(rows * view.height);
     cv::Mat depth_m = depthOf(kWall_px);
     depth_m.rowRange(first, view.y).setTo(kGeometry.depth(kWall_px - farther_px));
-    EXPECT_EQ(isRailing(railing(), depth_m), farther_px < 1.0 || rows < 0.3) << farther_px << " px " << rows;
+    EXPECT_EQ(isRailing(railing(kFencePitch_px), depth_m), farther_px < 1.0 || rows < 0.3)
+        << farther_px << " px " << rows;
+    EXPECT_TRUE(isRailing(railing(kPitch_px), depth_m)) << "no fence's bars are 0.48 m apart";
   }
 }
 

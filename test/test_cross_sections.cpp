@@ -45,6 +45,23 @@ TEST(CrossSections, TheFarPartIsSeenALittleBeforeTheEnd) {
   EXPECT_TRUE(viewOfFarPart(ahead(4.0, {0.0, 20.0, 0.0}), kGeometry).empty());
 }
 
+TEST(CrossSections, ABoxThatBeginsAheadIsLookedAtFromItsEndToItsStart) {
+  const std::vector<cv::Rect> views = crossSections(ahead(2.0, {1.0, 0.0, 0.0}), kGeometry);
+  EXPECT_NEAR(views.front().width, 350.0 * 1.2 / 3.0, 1.0);
+  EXPECT_NEAR(views.back().width, 350.0 * 1.2 / 1.0, 1.0);
+  for (std::size_t i = 1; i < views.size(); ++i) EXPECT_LE(views[i].width, views[i - 1].width / 0.8) << i;
+  EXPECT_EQ(crossSections(ahead(0.3, {2.0, 0.0, 0.0}), kGeometry).size(), 2u) << "however short it is";
+}
+
+TEST(CrossSections, ABoxThatPointsAtTheCameraIsLookedAtToo) {
+  Box towards = ahead(2.0, {3.0, 0.0, 0.0});
+  towards.T_M_F.rotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
+  const std::vector<cv::Rect> views = crossSections(towards, kGeometry);
+  EXPECT_NEAR(views.front().width, 350.0 * 1.2 / 1.0, 1.0);
+  EXPECT_NEAR(views.back().width, 350.0 * 1.2 / 3.0, 1.0);
+  for (std::size_t i = 1; i < views.size(); ++i) EXPECT_GE(views[i].width, 0.8 * views[i - 1].width) << i;
+}
+
 TEST(CrossSections, AShortBoxHasItsEnd) {
   EXPECT_EQ(crossSections(ahead(0.3), kGeometry).size(), 1u);
   EXPECT_LE(crossSections(ahead(std::numeric_limits<double>::denorm_min()), kGeometry).size(), 1u) << "and ends";

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/cross_sections.hpp"
 #include "flight_corridor/grazing_things.hpp"
@@ -16,11 +18,16 @@ const cv::Rect kEnd = viewOfEnd(kBox, kGeometry);
 /// Depth at which the box's end is told to be by a match that is so much too far.
 double endToldTooFar(double error_px) { return kGeometry.shiftedDepth(kBox.size_m.x(), -error_px); }
 
-/// A patch that reaches so far over the right side of the end's view, at one depth before a far wall.
-bool isGrazedBy(double depth_m, int inside_px, int height_px = 10) {
+/// A patch at one depth before a far wall.
+bool isGrazedBy(double depth_m, const cv::Rect& patch) {
   cv::Mat view(kGeometry.size(), CV_32FC1, cv::Scalar(9.0));
-  view(cv::Rect(kEnd.br().x - inside_px, kEnd.y + 5, 40, height_px)) = depth_m;
+  view(patch) = depth_m;
   return mayBeGrazed(kBox, view, kGeometry, kBand_px);
+}
+
+/// One that reaches so far over the right side of the end's view.
+bool isGrazedBy(double depth_m, int inside_px, int height_px = 10) {
+  return isGrazedBy(depth_m, {kEnd.br().x - inside_px, kEnd.y + 5, 40, height_px});
 }
 
 TEST(GrazingThings, ACornerJustBehindTheEndMayReachIn) {
@@ -45,7 +52,30 @@ TEST(GrazingThings, AFewPixelsAreChance) {
 }
 
 TEST(GrazingThings, AWallCloseBehindTheEndIsWhereItIsMatched) {
-  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.45), kEnd.width, kEnd.height - 10));
+  EXPECT_FALSE(isGrazedBy(endToldTooFar(0.45), cv::Rect({}, kGeometry.size())));
+  for (const double share : {0.2, 0.3}) {
+    const cv::Rect part(kEnd.tl(), cv::Size(static_cast<int>(share * kEnd.width), kEnd.height));
+    EXPECT_EQ(isGrazedBy(endToldTooFar(0.45), part), share == 0.2);
+  }
+}
+
+TEST(GrazingThings, AWallFartherBehindDoesNotHideAThingBeforeIt) {
+  for (const double wall_px : {0.7, 0.9}) {
+    cv::Mat view(kGeometry.size(), CV_32FC1, cv::Scalar(endToldTooFar(wall_px)));
+    view(cv::Rect(kEnd.br().x - 2, kEnd.y + 5, 40, 10)) = endToldTooFar(0.2);
+    EXPECT_EQ(mayBeGrazed(kBox, view, kGeometry, kBand_px), wall_px == 0.9);
+  }
+}
+
+TEST(GrazingThings, TheBoxMayPointAside) {
+  Box aside = kBox;
+  aside.T_M_F.rotate(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
+  const cv::Rect end = viewOfEnd(aside, kGeometry);
+  cv::Mat view(kGeometry.size(), CV_32FC1, cv::Scalar(9.0));
+  view(cv::Rect(end.x + end.width / 2 - 5, end.y + end.height / 2 - 5, 10, 10)) =
+      kGeometry.shiftedDepth(aside.size_m.x() * std::cos(0.3), -0.3);
+  EXPECT_TRUE(mayBeGrazed(aside, view, kGeometry, kBand_px));
+  EXPECT_FALSE(mayBeGrazed(kBox, view, kGeometry, kBand_px));
 }
 
 TEST(GrazingThings, WithoutAnImageOrAViewOfTheEndThereAreNone) {

@@ -53,6 +53,17 @@ TEST(HiddenThings, ANearerEndShowsThingsLarger) {
   EXPECT_TRUE(View(kMiddle, pixels(0.14, 2.0)).mayHide(corridor(2.0)));
 }
 
+TEST(HiddenThings, HoweverNearTheEndAHoleOf63PixelsIsEnough) {
+  for (const double end_m : {1e-2, 1e-5, 1e-10}) {  // the box stands ever more across the view
+    Box across = corridor();
+    across.T_M_F.rotate(Eigen::AngleAxisd(std::acos(end_m / 4.0), Eigen::Vector3d::UnitZ()));
+    across.T_M_F.pretranslate(Eigen::Vector3d(2.0, 0.0, 0.0));
+    EXPECT_TRUE(View(kMiddle, 70).mayHide(across)) << end_m;
+    EXPECT_FALSE(View(kMiddle, 40).mayHide(across)) << end_m;
+  }
+  EXPECT_TRUE(View(kMiddle, 70).mayHide(corridor(0.6)));
+}
+
 TEST(HiddenThings, AHoleThatIsFilledHidesNothing) {
   View view(kMiddle, pixels(0.14, 4.0));
   view.depth.filled_m(view.hole).setTo(kWall_m);

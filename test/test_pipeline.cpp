@@ -39,6 +39,17 @@ TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
   EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
 }
 
+TEST(Pipeline, ACorridorWhoseEndIsOutOfViewIsNotFree) {
+  for (const double yaw_deg : {15.0, -15.0, 50.0, -50.0, 90.0, 180.0}) {
+    const Eigen::Isometry3d turned(Eigen::AngleAxisd(yaw_deg * M_PI / 180.0, Eigen::Vector3d::UnitZ()));
+    Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+    pipeline.pointAlong(opticalFromForward() * turned);
+    const Verdict& verdict = pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict;
+    EXPECT_EQ(verdict.state, std::abs(yaw_deg) < 20.0 ? State::Free : State::Unknown) << yaw_deg;
+    EXPECT_EQ((verdict.reasons & kUnobserved) == 0, std::abs(yaw_deg) < 20.0) << yaw_deg;
+  }
+}
+
 /// Of a wall at both sensors' range, when each is off by a variance.
 Report seenWithVariance(double variance_m2, double range_m, int disparity_px) {
   Config config;

@@ -27,6 +27,8 @@ Eigen::Vector3d centre(const Box& box);
 
 /// Whether a point is in a box. The far end is not: what begins there is farther than D_min.
 bool contains(const Box& box, const Eigen::Vector3d& point_M);
+/// The same in the box's own frame, for many points.
+bool contains(const Eigen::Vector3d& size_m, const Eigen::Vector3d& point_F);
 
 /// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);

@@ -95,7 +95,8 @@ enum Reason : std::uint32_t {
                             ///< or, where no LiDAR tells, most has a match, but fits in the box as well; or it may
                             ///< be a railing whose bars were taken for the wall behind.
   kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes;
-                            ///< or a thin thing that may be in it, or a hole that may hide a small one.
+                            ///< or a thin or small thing so little behind it that it may be in it, or a hole that
+                            ///< may hide one.
 };
 
 /// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that
@@ -110,7 +111,7 @@ struct Verdict {
   double stamp_s = kNaN;
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1].
+  double unknown_fraction = 1.0;   ///< Unobserved share of the box [0..1], of its near half only of the observable.
   std::uint32_t reasons = 0;       ///< Bit set of Reason.
 };
 
