@@ -37,7 +37,7 @@ constexpr double kInARow = 0.2;         // of its windows; of two trees that loo
 constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
 constexpr double kWidePitch_m = 0.3;       // of bars at their match's distance: farther apart than those of fences
 constexpr double kWideInARow = 0.4;        // of their windows, at least; of a forest's fewer are
-constexpr double kOfAPitch = 0.6;          // of the most windows: so many agree on the pitch where most do on a multiple
+constexpr double kOfAPitch = 0.6;          // of the most windows: as many agree on the pitch, most on a multiple
 constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
 constexpr double kFartherShare = 0.1;      // of it, at least
 
@@ -153,16 +153,19 @@ Railing largestRailing(const std::vector<Bar>& bars) {
 /// those after it.
 Railing byItsPitch(const Railing& railing, const std::vector<Bar>& bars) {
   const int surface_px = static_cast<int>(std::lround(railing.surface_px));
-  for (int offset_px = 1; offset_px < railing.offset_px; ++offset_px) {
+  for (int offset_px = 1; offset_px <= railing.offset_px / 2 + 1; ++offset_px) {
     Railing other = railingOf(bars, surface_px, offset_px);
-    if (other.bars.size() >= kOfAPitch * railing.bars.size()) return other;
+    if (other.bars.size() < kOfAPitch * railing.bars.size()) continue;
+    Railing next = railingOf(bars, surface_px, offset_px + 1);
+    return next.bars.size() > other.bars.size() ? next : other;
   }
   return railing;
 }
 
 /// Share of a railing's windows in whose place on the next bar, on which their own was matched, there is one of it,
-/// too. 1 when all that is out of view.
-double shareInARow(const Railing& railing, const cv::Rect& view) {
+/// too.
+/// @param out_of_view the answer when all those places are.
+double shareInARow(const Railing& railing, const cv::Rect& view, double out_of_view) {
   cv::Mat is_bar = cv::Mat::zeros(view.br().y, view.br().x, CV_8U);
   for (const Bar& bar : railing.bars) is_bar.at<std::uint8_t>(bar.at) = 255;
   int in_view = 0, in_a_row = 0;
@@ -172,13 +175,15 @@ double shareInARow(const Railing& railing, const cv::Rect& view) {
     ++in_view;
     in_a_row += cv::countNonZero(is_bar(next)) > 0;
   }
-  return in_view > 0 ? static_cast<double>(in_a_row) / in_view : 1.0;
+  return in_view > 0 ? static_cast<double>(in_a_row) / in_view : out_of_view;
 }
 
 /// Whether the bars would be farther apart than those of a fence if they were where they were matched.
-bool isTooWideForAFence(const Railing& railing, const cv::Rect& view, const StereoGeometry& geometry) {
-  return railing.offset_px * geometry.calibration().baseline_m > kWidePitch_m * railing.surface_px &&
-         shareInARow(railing, view) >= kWideInARow;
+/// @param least_px smaller offsets are not in the box: half of the railing's must be, or it may be twice the pitch.
+bool isTooWideForAFence(const Railing& railing, double least_px, const cv::Rect& view, const StereoGeometry& geometry) {
+  return railing.offset_px >= 2.0 * least_px &&
+         railing.offset_px * geometry.calibration().baseline_m > kWidePitch_m * railing.surface_px &&
+         shareInARow(railing, view, 0.0) >= kWideInARow;
 }
 
 /// Whether much of what is seen in and around a view is behind a surface.
@@ -237,8 +242,9 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
   const auto windows = static_cast<double>(railing.bars.size());
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
   if (is_told && windows >= kPatternOnlyShare * fitting) return false;
-  if (!(shareInARow(railing, view) >= kInARow)) return false;
-  return isTooWideForAFence(byItsPitch(railing, bars), view, geometry) ||
+  if (!(shareInARow(railing, view, 1.0) >= kInARow)) return false;
+  const double least_px = geometry.disparity(end_m) - railing.surface_px;
+  return isTooWideForAFence(byItsPitch(railing, bars), least_px, view, geometry) ||
          !showsFarther(view, railing.surface_px, disparity, depth_m, geometry);
 }
 

@@ -11,6 +11,7 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr double kFarShare = 0.25;    // of a corridor's length, at its end: known though out of view
 constexpr double kRounding_m = 1e-9;  // centres that rounding puts outside of the plane that they lie on are inside
 
 using Node = octomap::OcTreeNode;
@@ -82,6 +83,8 @@ class NearestObstacle {
 struct Cells {
   std::int64_t all = 0, unknown = 0;
 };
+
+Cells operator+(const Cells& one, const Cells& other) { return {one.all + other.all, one.unknown + other.unknown}; }
 
 double unknownFraction(const Cells& cells) {
   return cells.all > 0 ? static_cast<double>(cells.unknown) / static_cast<double>(cells.all) : 1.0;
@@ -220,13 +223,13 @@ Box Corridor::box(const Eigen::Isometry3d& T_M_F) const {
 CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
                                     const ConvexRegion& observable_M, const CellBegin& begin) const {
   const double needed_from_m = (box.T_M_F.inverse() * camera_M).x() + config_.blind_m;  // along the box's axis
-  const ConvexRegion far_half_M = beyond(box, std::max(needed_from_m, 0.5 * box.size_m.x()));
-  const Cells observable = cellsIn(tree, box, intersection(observable_M, beyond(box, needed_from_m)));
-  const Cells far = cellsIn(tree, box, far_half_M), both = cellsIn(tree, box, intersection(observable_M, far_half_M));
+  const ConvexRegion far_M = beyond(box, std::max(needed_from_m, (1.0 - kFarShare) * box.size_m.x()));
+  const ConvexRegion nearer_M = -far_M - 2.0 * kRounding_m * Eigen::Vector4d::UnitW();  // no cell is in both
+  const ConvexRegion needed_M = intersection(observable_M, beyond(box, needed_from_m));
   CorridorOccupancy occupancy;
   occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
   occupancy.unknown_fraction =
-      unknownFraction({observable.all + far.all - both.all, observable.unknown + far.unknown - both.unknown});
+      unknownFraction(cellsIn(tree, box, far_M) + cellsIn(tree, box, intersection(needed_M, nearer_M)));
   return occupancy;
 }
 

@@ -2,14 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr double kNearest_m = 0.6;  // from the camera, along the box; nearer ones see nearly all of the image
+constexpr double kNearest_m = 0.6;  // from the camera; nearer ones see nearly all of the image
 constexpr double kStep = 0.15;      // between two neighbours, of the distance from the camera
 
 /// The rectangle around one, cut to the image; empty where it is out of view.
@@ -37,10 +36,10 @@ cv::Rect viewOf(const Box& box_C, double x_m, const StereoGeometry& geometry) {
 }  // namespace
 
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry) {
-  const double camera_m = box_C.T_M_F.inverse().translation().x(), end_m = box_C.size_m.x();
+  const double end_m = box_C.size_m.x();
   std::vector<cv::Rect> views;
   for (double x_m = end_m; x_m >= 0.0;) {
-    const double distance_m = std::abs(x_m - camera_m);
+    const double distance_m = (box_C.T_M_F * Eigen::Vector3d(x_m, 0.0, 0.0)).norm();
     if (x_m == end_m || distance_m >= kNearest_m) {
       if (const cv::Rect view = viewOf(box_C, x_m, geometry); !view.empty()) views.push_back(view);
     }

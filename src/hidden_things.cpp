@@ -29,7 +29,8 @@ bool mayHideThing(const Box& box_C, const DepthImages& depth, const Disparity& d
   const cv::Rect image({}, depth.filled_m.size());
   const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).z();
   if (depth.filled_m.empty() || view.empty() || !(end_m > 0.0)) return false;
-  const double square_px = std::clamp(geometry.calibration().fx_px * kThing_m / end_m, kSmallestSquare_px, kLargestSquare_px);
+  const double thing_px = geometry.calibration().fx_px * kThing_m / end_m;
+  const double square_px = std::clamp(thing_px, kSmallestSquare_px, kLargestSquare_px);
   const int hole_px = oddBelow(square_px), around_px = oddBelow(kAround * hole_px);
 
   const cv::Point reach(around_px / 2, around_px / 2);

@@ -144,15 +144,17 @@ TEST(Corridor, CellsThatNobodyCanObserveAreNotMissed) {
   EXPECT_EQ(corridor.inspect(tree, box, before_two_C, kEverywhere).unknown_fraction, 0.0);  // too near to the camera
 }
 
-TEST(Corridor, AFarHalfThatNobodyCanObserveIsMissed) {
+TEST(Corridor, AnEndThatNobodyCanObserveIsMissed) {
   const Corridor corridor((CorridorConfig()));
   octomap::OcTree tree(kResolution_m);
   for (float x = 0.45f; x < 4.0f; x += 0.1f) {
     for (float z = -0.25f; z < 0.3f; z += 0.1f) tree.setNodeValue(octomap::point3d(x, 0.55f, z), -1.0f);
   }
   const ConvexRegion left_edge = Eigen::Vector4d(0.0, 1.0, 0.0, -0.5);
-  EXPECT_GT(corridor.inspect(tree, corridor.box(Eigen::Isometry3d::Identity()), kCamera, left_edge).unknown_fraction,
-            0.5);
+  const Box box = corridor.box(Eigen::Isometry3d::Identity());
+  EXPECT_GT(corridor.inspect(tree, box, kCamera, left_edge).unknown_fraction, 0.5);
+  const ConvexRegion needed = intersection(left_edge, beyond(box, CorridorConfig().blind_m));
+  EXPECT_EQ(inspectBox(tree, box, needed).unknown_fraction, 0.0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,17 @@ TEST(CrossSections, ABoxThatPointsAtTheCameraIsLookedAtToo) {
   EXPECT_NEAR(views.front().width, 350.0 * 1.2 / 1.0, 1.0);
   EXPECT_NEAR(views.back().width, 350.0 * 1.2 / 3.0, 1.0);
   for (std::size_t i = 1; i < views.size(); ++i) EXPECT_GE(views[i].width, 0.8 * views[i - 1].width) << i;
+}
+
+TEST(CrossSections, ABoxThatCrossesTheViewIsLookedAtAllAlong) {
+  Box across = ahead(3.0);
+  across.T_M_F.translation() = Eigen::Vector3d(-1.5, 0.0, 3.0);
+  across.T_M_F.rotate(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  double middle_px = kInfinity;
+  for (const cv::Rect& view : crossSections(across, kGeometry)) {
+    middle_px = std::min(middle_px, std::abs(view.x + view.width / 2.0 - kGeometry.size().width / 2.0));
+  }
+  EXPECT_LT(middle_px, 30.0);
 }
 
 TEST(CrossSections, AShortBoxHasItsEnd) {

@@ -19,7 +19,8 @@ bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Ma
 /// that are smaller by their pitch, too; where the wall is there, they are taken for it. Then many windows of 5 px by 5
 /// px that were matched on one surface fit in the box as well, all at one same offset, and so far beside them, where
 /// the next bar is, there are others of them. So do those of a fence or a net that is behind the box, but beside these
-/// something is farther: no wall shows at the very distance of the pattern.
+/// something is farther: no wall shows at the very distance of the pattern. And no fence's bars are as far apart as those
+/// of a near railing would be there.
 /// @param disparity of the pair.  @param is_told whether the LiDAR's beam meets something in the view of the box's end:
 /// where nearly all windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
 bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& disparity, const cv::Mat& depth_m,

@@ -8,10 +8,10 @@
 
 namespace flight_corridor {
 
-/// Where the left image shows cross-sections of a box, from its end inwards to its start, each by 0.15 times its distance
-/// from the camera farther in than the last: rectangles of pixels around them, cut to the image. Left out are, but for
-/// the end, those within 0.6 m of the camera along the box, and those out of view or below a pixel. All of the image
-/// where only a part of a cross-section is behind the camera.
+/// Where the left image shows cross-sections of a box, from its end inwards to its start, each farther in than the last
+/// by 0.15 times that one's distance from the camera: rectangles of pixels around them, cut to the image. Left out are,
+/// but for the end, those within 0.6 m of the camera, and those out of view or below a pixel. All of the image where
+/// only a part of a cross-section is behind the camera.
 std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry);
 
 /// The first of them: the end, where that is in view; empty where none is.

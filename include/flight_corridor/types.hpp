@@ -73,7 +73,7 @@ const char* toString(State state);
 enum Reason : std::uint32_t {
   kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
   kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
-  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the observable box has not been seen, or was not believed.
+  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the box has not been seen, or was not believed.
   kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
   kNoPose = 1u << 4,          ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
@@ -111,7 +111,7 @@ struct Verdict {
   double stamp_s = kNaN;
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double unknown_fraction = 1.0;   ///< Unobserved share of the box [0..1], of its near half only of the observable.
+  double unknown_fraction = 1.0;   ///< Unobserved share of the box's last quarter and the observable rest [0..1].
   std::uint32_t reasons = 0;       ///< Bit set of Reason.
 };
 
