@@ -11,7 +11,8 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFarShare = 0.25;    // of a corridor's length, at its end: known though out of view
+constexpr double kFarShare = 0.25;         // of a corridor's length: its end
+constexpr double kEndInView = 2.0 / 3.0;  // of its cells; with fewer in view all must be known
 constexpr double kRounding_m = 1e-9;  // centres that rounding puts outside of the plane that they lie on are inside
 
 using Node = octomap::OcTreeNode;
@@ -226,10 +227,12 @@ CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box,
   const ConvexRegion far_M = beyond(box, std::max(needed_from_m, (1.0 - kFarShare) * box.size_m.x()));
   const ConvexRegion nearer_M = -far_M - 2.0 * kRounding_m * Eigen::Vector4d::UnitW();  // no cell is in both
   const ConvexRegion needed_M = intersection(observable_M, beyond(box, needed_from_m));
+  const Cells end = cellsIn(tree, box, far_M), end_in_view = cellsIn(tree, box, intersection(observable_M, far_M));
+  const bool shows_end = static_cast<double>(end_in_view.all) >= kEndInView * static_cast<double>(end.all);
   CorridorOccupancy occupancy;
   occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
-  occupancy.unknown_fraction =
-      unknownFraction(cellsIn(tree, box, far_M) + cellsIn(tree, box, intersection(needed_M, nearer_M)));
+  occupancy.unknown_fraction = unknownFraction(cellsIn(tree, box, intersection(needed_M, nearer_M)) +
+                                               (shows_end ? end_in_view : end));
   return occupancy;
 }
 

@@ -153,6 +153,8 @@ TEST(Corridor, AnEndThatNobodyCanObserveIsMissed) {
   const ConvexRegion left_edge = Eigen::Vector4d(0.0, 1.0, 0.0, -0.5);
   const Box box = corridor.box(Eigen::Isometry3d::Identity());
   EXPECT_GT(corridor.inspect(tree, box, kCamera, left_edge).unknown_fraction, 0.5);
+  const ConvexRegion most = Eigen::Vector4d(0.0, 1.0, 0.0, 0.2);  // of the end 0.8 m of 1.2 m, none of it known
+  EXPECT_NEAR(corridor.inspect(tree, box, kCamera, most).unknown_fraction, 7.0 / 8.0, 1e-9) << "the rest is not missed";
   const ConvexRegion needed = intersection(left_edge, beyond(box, CorridorConfig().blind_m));
   EXPECT_EQ(inspectBox(tree, box, needed).unknown_fraction, 0.0);
 }

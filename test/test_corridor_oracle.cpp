@@ -66,16 +66,19 @@ double nearFace(const Eigen::Isometry3d& T_F_M, const Eigen::Vector3d& cell_M) {
 }
 
 /// All cells around the box, one by one.
-/// @param all_from_m along the box's axis, from where on cells beside the region are needed, too.
+/// @param end_from_m along the box's axis; from there on cells beside the region are needed, too, unless two thirds of
+/// those are in it.
 CorridorOccupancy bruteForce(const octomap::OcTree& tree, const Box& box, double blind_m, const ConvexRegion& needed,
-                             double all_from_m = kInfinity) {
+                             double end_from_m = kInfinity) {
   CorridorOccupancy result;
   const Eigen::Isometry3d T_F_M = box.T_M_F.inverse();
   const Eigen::Array3d middle_M = box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0);
   const double reach_m = 0.5 * box.size_m.norm();
   const Eigen::Array3i first = ((middle_M - reach_m) / kResolution_m).cast<int>() - 2;
   const Eigen::Array3i last = ((middle_M + reach_m) / kResolution_m).cast<int>() + 2;
-  int cells = 0, unknown = 0;
+  struct {
+    int cells = 0, unknown = 0;
+  } needed_nearer, needed_at_end, all_at_end;
   for (int i = first.x(); i <= last.x(); ++i) {
     for (int j = first.y(); j <= last.y(); ++j) {
       for (int k = first.z(); k <= last.z(); ++k) {
@@ -87,17 +90,27 @@ CorridorOccupancy bruteForce(const octomap::OcTree& tree, const Box& box, double
           result.clear_distance_m = std::min(result.clear_distance_m, std::max(0.0, near_face_m));
         }
         const Eigen::Vector3d centre_F = T_F_M * centre_M;
-        bool counts = blind_m <= centre_F.x() && centre_F.x() <= box.size_m.x() &&
-                      std::abs(centre_F.y()) <= 0.5 * box.size_m.y() && std::abs(centre_F.z()) <= 0.5 * box.size_m.z();
-        for (int plane = 0; plane < needed.cols(); ++plane) {
-          const bool is_inside = needed.col(plane).head<3>().dot(centre_M) + needed(3, plane) >= 0.0;
-          counts = counts && (is_inside || centre_F.x() >= all_from_m);
+        if (!(blind_m <= centre_F.x() && centre_F.x() <= box.size_m.x() &&
+              std::abs(centre_F.y()) <= 0.5 * box.size_m.y() && std::abs(centre_F.z()) <= 0.5 * box.size_m.z())) {
+          continue;
         }
-        cells += counts;
-        unknown += counts && !node;
+        bool is_needed = true;
+        for (int plane = 0; plane < needed.cols(); ++plane) {
+          is_needed = is_needed && needed.col(plane).head<3>().dot(centre_M) + needed(3, plane) >= 0.0;
+        }
+        const bool is_at_end = centre_F.x() >= end_from_m;
+        const auto count = [&](auto& counted, bool is_counted) {
+          counted.cells += is_counted;
+          counted.unknown += is_counted && !node;
+        };
+        count(needed_nearer, is_needed && !is_at_end);
+        count(needed_at_end, is_needed && is_at_end);
+        count(all_at_end, is_at_end);
       }
     }
   }
+  const auto& end = 3 * needed_at_end.cells >= 2 * all_at_end.cells ? needed_at_end : all_at_end;
+  const int cells = needed_nearer.cells + end.cells, unknown = needed_nearer.unknown + end.unknown;
   result.unknown_fraction = cells ? unknown / static_cast<double>(cells) : 1.0;
   return result;
 }

@@ -57,7 +57,8 @@ class Corridor {
   Box box(const Eigen::Isometry3d& T_M_F) const;
 
   /// inspectBox() where only what lies farther along the box's axis than blind_m before the camera must be known, and
-  /// of that the box's last quarter and what could be observed: near the camera no view is as wide as the box.
+  /// of that what could be observed: near the camera no view is as wide as the box. But of the box's last quarter all
+  /// must be known unless two thirds of it could be observed.
   /// @param observable_M where a surface could be matched.
   CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
                             const ConvexRegion& observable_M, const CellBegin& begin = nullptr) const;

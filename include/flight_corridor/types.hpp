@@ -111,7 +111,7 @@ struct Verdict {
   double stamp_s = kNaN;
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double unknown_fraction = 1.0;   ///< Unobserved share of the box's last quarter and the observable rest [0..1].
+  double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1]; Corridor::inspect().
   std::uint32_t reasons = 0;       ///< Bit set of Reason.
 };
 
