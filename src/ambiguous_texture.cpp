@@ -181,8 +181,8 @@ double shareInARow(const Railing& railing, const cv::Rect& view, double out_of_v
 /// Whether the bars would be farther apart than those of a fence if they were where they were matched.
 /// @param least_px smaller offsets are not in the box: half of the railing's must be, or it may be twice the pitch.
 bool isTooWideForAFence(const Railing& railing, double least_px, const cv::Rect& view, const StereoGeometry& geometry) {
-  return railing.offset_px >= 2.0 * least_px &&
-         railing.offset_px * geometry.calibration().baseline_m > kWidePitch_m * railing.surface_px &&
+  const double pitch_m = railing.offset_px * geometry.depth(railing.surface_px) / geometry.calibration().fx_px;
+  return railing.offset_px >= 2.0 * least_px && pitch_m > kWidePitch_m &&
          shareInARow(railing, view, 0.0) >= kWideInARow;
 }
 

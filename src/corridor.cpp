@@ -11,9 +11,9 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFarShare = 0.25;         // of a corridor's length: its end
+constexpr double kFarShare = 0.25;        // of a corridor's length: its end
 constexpr double kEndInView = 2.0 / 3.0;  // of its cells; with fewer in view all must be known
-constexpr double kRounding_m = 1e-9;  // centres that rounding puts outside of the plane that they lie on are inside
+constexpr double kRounding_m = 1e-9;      // centres that rounding puts outside of the plane that they lie on are inside
 
 using Node = octomap::OcTreeNode;
 
