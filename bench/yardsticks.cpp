@@ -33,7 +33,7 @@
 #include "ros/conversions.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
-#include "tools/stereo_bag.hpp"
+#include "tools/stereo_bag_reader.hpp"
 
 namespace {
 

@@ -8,7 +8,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kSmallestForward = 0.5;    // cosine of the largest angle between beam and optical axis
 constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a matching block holds one measurement anyway
 constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
@@ -41,9 +40,14 @@ BeamFootprint::BeamFootprint(const LidarConfig& config, const StereoGeometry& ge
       origin_C_(T_C_L.translation()),
       direction_C_(T_C_L.linear() * Eigen::Vector3d::UnitX()) {
   throwIfBroken(check(config));
-  if (!(direction_C_.z() >= kSmallestForward && origin_C_.allFinite())) {
-    throw std::invalid_argument("the LiDAR's beam does not point where the camera looks: check its tf (beam along +x)");
+  if (!(direction_C_.z() > 0.0 && origin_C_.allFinite())) {
+    throw std::invalid_argument("the LiDAR's beam points backwards: check its pose (beam along +x)");
   }
+}
+
+bool BeamFootprint::endsInView(const LidarConfig& config, const StereoGeometry& geometry,
+                               const Eigen::Isometry3d& T_C_L) {
+  return geometry.contains(geometry.project(T_C_L * Eigen::Vector3d(config.max_range_m, 0.0, 0.0)));
 }
 
 std::optional<Footprint> BeamFootprint::at(double range_m, double beam_width_rad) const {

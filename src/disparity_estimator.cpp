@@ -186,14 +186,13 @@ double DisparityEstimator::nearestDepth() const {
 ConvexRegion DisparityEstimator::observable() const {
   const StereoCalibration& rig = geometry_.calibration();
   const double last_u_px = rig.size_px.width - 1, last_v_px = rig.size_px.height - 1;
-  ConvexRegion region_C(4, 6);
+  ConvexRegion region_C(4, 5);
   region_C.col(0) << rig.fx_px, 0.0, rig.cx_px, 0.0;
   region_C.col(1) << -rig.fx_px, 0.0, last_u_px - rig.cx_px, 0.0;
   region_C.col(2) << 0.0, rig.fy_px, rig.cy_px, 0.0;
   region_C.col(3) << 0.0, -rig.fy_px, last_v_px - rig.cy_px, 0.0;
   region_C.col(4) << rig.fx_px, 0.0, rig.cx_right_px, -rig.fx_px * rig.baseline_m;
-  region_C.col(5) << 0.0, 0.0, 1.0, -nearestDepth();
-  for (int side = 0; side < 6; ++side) region_C.col(side) /= region_C.col(side).head<3>().norm();
+  for (int side = 0; side < 5; ++side) region_C.col(side) /= region_C.col(side).head<3>().norm();
   return region_C;
 }
 

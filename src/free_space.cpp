@@ -11,7 +11,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this reach behind the camera's optical centre
+constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this may reach behind the camera's optical centre
 constexpr double kSeenTile = 0.5;          // share of a tile's pixels that must have a ray
 constexpr unsigned kAllChildren = 0xFF;
 
@@ -30,7 +30,7 @@ struct FreeSpace::Parts {
   float near_m[8], far_m[8];       // depths of the box
   DepthPyramid::EightTiles tiles;  // of its image
   int is_inside[8];                // the image, wholly
-  int is_near[8];                  // the camera: cannot be projected
+  int is_near[8];                  // in part too near to be shown free
   int is_seen[8];                  // perhaps, by rays that are free in it
   float nearest_m[8];              // the least free ray that meets it
   int unusable[8];                 // tiles of the image
@@ -38,7 +38,8 @@ struct FreeSpace::Parts {
   unsigned free = 0;               // bit i: it is
 };
 
-FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry) : config_(config), geometry_(geometry) {
+FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry, double nearest_m)
+    : config_(config), geometry_(geometry), nearest_m_(std::max(static_cast<float>(nearest_m), kSmallestDepth_m)) {
   const cv::Size size = geometry.size();
   const Eigen::Vector3d corners_C[] = {geometry.point(0, 0, 1), geometry.point(size.width - 1, 0, 1),
                                        geometry.point(size.width - 1, size.height - 1, 1),
@@ -169,8 +170,8 @@ FLIGHT_CORRIDOR_WIDE void FreeSpace::project(const Cube& cube, Parts& parts) con
     const float top_px = top_m * (top_m < 0.0f ? per_near : per_far) * fy + cy;
     const float bottom_px = bottom_m * (bottom_m > 0.0f ? per_near : per_far) * fy + cy;
     const int is_outside = (right_px < 0.0f) | (left_px > last_u) | (bottom_px < 0.0f) | (top_px > last_v);
-    const int is_near = parts.near_m[i] < kSmallestDepth_m;
-    parts.is_near[i] = is_near & (parts.far_m[i] > 0.0f);
+    const int is_near = parts.near_m[i] < nearest_m_;
+    parts.is_near[i] = is_near & (parts.far_m[i] > nearest_m_);
     parts.is_seen[i] = (is_near ^ 1) & (is_outside ^ 1) & (parts.near_m[i] <= nearest_end_m);
     parts.is_inside[i] = (left_px >= 0.0f) & (right_px <= last_u) & (top_px >= 0.0f) & (bottom_px <= last_v);
     parts.near |= static_cast<unsigned>(parts.is_near[i]) << i;

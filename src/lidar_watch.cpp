@@ -16,7 +16,6 @@ constexpr double kSlowShare = 1.0 / 3.0;  // of the best rate
 
 void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (!std::isfinite(reading.stamp_s)) return;
-  if (reading.stamp_s < newest_.stamp_s - kClockSetBack_s) *this = LidarWatch();
   if (reading.stamp_s < newest_.stamp_s) return;
   const double since_s = std::isnan(newest_.stamp_s) ? 0.0 : reading.stamp_s - newest_.stamp_s;
   rate_hz_ = rate(reading.stamp_s) + 1.0 / kRateMemory_s;

@@ -26,12 +26,12 @@ octomap::point3d toOctomap(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry)
+OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m)
     : config_((throwIfBroken(check(config)), config)),
       tree_(config.resolution_m),
       hit_rule_(config, geometry.calibration()),
       points_(config, geometry),
-      free_space_(config, geometry) {
+      free_space_(config, geometry, nearest_m) {
   tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
   tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
   tree_.setProbHit(octomap::probability(config.log_odds_hit));

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <sstream>
+#include <stdexcept>
 
 #include "flight_corridor/ambiguous_texture.hpp"
 #include "flight_corridor/cross_sections.hpp"
@@ -17,6 +19,8 @@ namespace {
 
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage;
+
+constexpr double kLatestSight = 0.5;  // of the way to the corridor's end: stereo has to see from there on
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -41,6 +45,18 @@ const Config& valid(const Config& config) {
   return config;
 }
 
+/// A baseline in another unit, or too few disparities: what stereo sees begins where the corridor is all but over.
+/// @throws std::invalid_argument
+void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry, double nearest_m) {
+  const double end_m = corridor.offset_m.x() + corridor.length_m + corridor.margin_m;
+  if (nearest_m <= kLatestSight * end_m) return;
+  std::ostringstream text;
+  text << "stereo sees nothing nearer than " << nearest_m << " m, more than half of the corridor's " << end_m
+       << " m (corridor/length_m): see that the baseline of " << geometry.calibration().baseline_m
+       << " m is right, or search a larger stereo/num_disparities_px";
+  throw std::invalid_argument(text.str());
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig)
@@ -50,22 +66,11 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       disparity_estimator_(config.stereo, geometry),
       range_tracker_(config, geometry, rig.T_C_L),
       cloud_builder_(config.cloud, geometry),
-      map_(config.map, geometry),
+      map_(config.map, geometry, nearestDepth()),
       corridor_(config.corridor),
       recent_block_(config.corridor.hold_s, config.map.resolution_m) {
-  if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry);
-}
-
-Outcome Pipeline::addRange(const RangeReading& reading) {
-  const Outcome outcome = range_tracker_.addRange(reading);
-  ++counters_.lidar_readings;
-  counters_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
-  counters_.lidar_gated += outcome == Outcome::Gated;
-  return outcome;
-}
-
-void Pipeline::addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
-  range_tracker_.addAcceleration(stamp_s, acceleration_C_mps2);
+  requireSight(config.corridor, geometry, nearestDepth());
+  if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry, nearestDepth());
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -74,6 +79,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   ++counters_.frames;
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
+  newest_stamp_s_ = frame.stamp_s;
   image_faults_ = images_.faults(frame);
   frame.left.copyTo(pair_.left);
   frame.right.copyTo(pair_.right);
@@ -109,7 +115,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
 std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const {
   const auto fits = [&](const cv::Mat& image) { return image.type() == CV_8UC1 && image.size() == geometry_.size(); };
   std::uint32_t reasons = 0;
-  if (!std::isfinite(frame.stamp_s)) reasons |= kNoData;
+  if (!std::isfinite(frame.stamp_s) || frame.stamp_s < newest_stamp_s_) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
   const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
@@ -125,7 +131,7 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
 void Pipeline::trackRange() {
   TrackedRange& tracked = report_;
   tracked = range_tracker_.update(report_.verdict.stamp_s, disparity_);
-  counters_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
+  static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and

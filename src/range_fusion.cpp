@@ -54,11 +54,6 @@ Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
 
 /// Puts a reading where its stamp belongs and takes all later ones again.
 Outcome RangeFusion::insert(const Reading& reading) {
-  const bool set_back = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - kClockSetBack_s;
-  if (set_back) {
-    before_ = Filter();
-    steps_.clear();
-  }
   const bool too_late = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s;
   if (too_late || reading.stamp_s < before_.stamp_s) return Outcome::TooLate;
   if (steps_.size() == kCapacity) forgetOldest();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace flight_corridor {
 
@@ -12,9 +13,23 @@ constexpr double kUnity = 0.9;             // of a footprint from which the scal
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
 
+/// Without a LiDAR the camera's axis.
+BeamFootprint beamOf(const LidarConfig& config, const StereoGeometry& geometry,
+                     const std::optional<Eigen::Isometry3d>& T_C_L) {
+  if (T_C_L && !BeamFootprint::endsInView(config, geometry, *T_C_L)) {
+    throw std::invalid_argument("the LiDAR's beam ends out of the camera's view: check its pose (beam along +x)");
+  }
+  return {config, geometry, T_C_L.value_or(opticalFromForward())};
+}
+
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
 }  // namespace
+
+bool isRange(const RangeReading& reading, const LidarConfig& config) {
+  return std::max(reading.min_range_m, config.min_range_m) <= reading.range_m &&
+         reading.range_m <= std::min(reading.max_range_m, config.max_range_m);
+}
 
 RangeTracker::RangeTracker(const Config& config, const StereoGeometry& geometry,
                            const std::optional<Eigen::Isometry3d>& T_C_L)
@@ -23,26 +38,37 @@ RangeTracker::RangeTracker(const Config& config, const StereoGeometry& geometry,
       scale_config_(config.scale),
       geometry_(geometry),
       has_lidar_(T_C_L.has_value()),
-      beam_(config.lidar, geometry, T_C_L.value_or(opticalFromForward())),
+      beam_(beamOf(config.lidar, geometry, T_C_L)),
       fusion_(config.fusion),
       scale_(config.scale) {}
 
-Outcome RangeTracker::addRange(const RangeReading& reading) {
+void RangeTracker::mount(const std::optional<Eigen::Isometry3d>& T_C_L) {
+  beam_ = beamOf(lidar_config_, geometry_, T_C_L);
+  has_lidar_ = T_C_L.has_value();
+}
+
+/// Accelerations first: ranges need them to be predicted.
+void RangeTracker::fuseReadings(double stamp_s) {
+  for (const Acceleration& reading : accelerations_.take(stamp_s)) {
+    fusion_.addAcceleration(reading.stamp_s, beam_.along(reading.acceleration_C_mps2));
+  }
+  for (const RangeReading& reading : ranges_.take(stamp_s)) fuse(reading);
+  counts_.refused = ranges_.refused() + accelerations_.refused();
+}
+
+void RangeTracker::fuse(const RangeReading& reading) {
   Outcome outcome = Outcome::Invalid;
-  const bool in_range = std::max(reading.min_range_m, lidar_config_.min_range_m) <= reading.range_m &&
-                        reading.range_m <= std::min(reading.max_range_m, lidar_config_.max_range_m);
-  if (has_lidar_ && in_range) {
+  if (has_lidar_ && isRange(reading, lidar_config_)) {
     outcome = fusion_.add(Sensor::Lidar, reading.stamp_s, reading.range_m, fusion_config_.lidar_variance_m2);
   }
   lidar_.add(reading, isFused(outcome));
-  return outcome;
-}
-
-void RangeTracker::addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
-  fusion_.addAcceleration(stamp_s, beam_.along(acceleration_C_mps2));
+  ++counts_.lidar;
+  counts_.lidar_invalid += outcome == Outcome::Invalid || outcome == Outcome::TooLate;
+  counts_.lidar_gated += outcome == Outcome::Gated;
 }
 
 TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
+  fuseReadings(stamp_s);
   TrackedRange tracked;
   const RangeEstimate expected = fusion_.at(stamp_s);
   auto stereo = beam_.read(disparity.matched_px, expected.range_m, lidar_.beamWidth());
@@ -57,6 +83,7 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
     reference_px = stereo->disparity_px;
     tracked.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
     tracked.stereo_outcome = fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo));
+    counts_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
   }
   tracked.range = fusion_.at(stamp_s);
   tracked.range_lidar_m = lidarRange(stamp_s);

@@ -1,16 +1,42 @@
 #include "flight_corridor/stereo_geometry.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace flight_corridor {
 
 namespace {
 
+constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
+constexpr double kUsualBaselines_m[] = {0.03, 0.6};
+
 void requirePositive(double value, const char* name, std::string& faults) {
   if (!(value > 0.0 && std::isfinite(value))) {
     faults += " " + std::string(name) + " must be positive (" + std::to_string(value) + ");";
   }
+}
+
+/// In which unit a baseline was given, if in metres no aircraft has it.
+std::string likelyUnit(double baseline) {
+  std::string text;
+  for (const auto& [unit, metres] : {std::pair("mm", 0.001), std::pair("cm", 0.01), std::pair("inches", 0.0254)}) {
+    const double baseline_m = baseline * metres;
+    if (!(kUsualBaselines_m[0] <= baseline_m && baseline_m <= kUsualBaselines_m[1])) continue;
+    text +=
+        (text.empty() ? "; likely in " : ", or in ") + std::string(unit) + " (" + std::to_string(baseline_m) + " m)";
+  }
+  return text;
+}
+
+void requireBaseline(double baseline_m, std::string& faults) {
+  if (kShortestBaseline_m <= baseline_m && baseline_m <= kLongestBaseline_m) return;
+  std::ostringstream text;
+  text << " baseline must be " << kShortestBaseline_m << " to " << kLongestBaseline_m << " m (" << baseline_m << " m"
+       << likelyUnit(baseline_m) << (baseline_m < 0.0 ? "; left and right are exchanged" : "")
+       << (baseline_m == 0.0 ? "; both cameras are announced in one place" : "") << ");";
+  faults += text.str();
 }
 
 void requireFinite(double value, const char* name, std::string& faults) {
@@ -25,7 +51,7 @@ std::string faultsOf(const StereoCalibration& calibration) {
   }
   requirePositive(calibration.fx_px, "fx", faults);
   requirePositive(calibration.fy_px, "fy", faults);
-  requirePositive(calibration.baseline_m, "baseline", faults);
+  requireBaseline(calibration.baseline_m, faults);
   requireFinite(calibration.cx_px, "cx", faults);
   requireFinite(calibration.cy_px, "cy", faults);
   requireFinite(calibration.cx_right_px, "right cx", faults);

@@ -1,17 +1,23 @@
 #include <flight_corridor/CorridorState.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
+#include <octomap_msgs/Octomap.h>
 #include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Bool.h>
+#include <stereo_msgs/DisparityImage.h>
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/Marker.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flight_corridor/corridor.hpp"
 #include "flight_corridor/types.hpp"
@@ -197,6 +203,60 @@ TEST_F(NodeInputs, SilenceIsNoData) {
   EXPECT_EQ(newest_->reasons, CorridorState::NO_DATA);
   EXPECT_EQ(newest_->header.frame_id, "left_optical");
   EXPECT_EQ(says_free_, false);
+}
+
+/// Frames by topic of what a node publishes.
+class Frames {
+ public:
+  template <typename Message>
+  void listen(const std::string& topic) {
+    subscribers_.push_back(node_.subscribe<Message>("/flight_corridor/" + topic, 1, [this, topic](const auto& message) {
+      frames_[topic] = message->header.frame_id;
+    }));
+  }
+  void listenToMarkers(const std::string& topic) {
+    subscribers_.push_back(node_.subscribe<visualization_msgs::MarkerArray>(
+        "/flight_corridor/" + topic, 1, [this, topic](const visualization_msgs::MarkerArray::ConstPtr& array) {
+          for (const auto& marker : array->markers) frames_[topic] = marker.header.frame_id;
+        }));
+  }
+  bool haveCome() const { return frames_.size() == subscribers_.size(); }
+  const std::map<std::string, std::string>& byTopic() const { return frames_; }
+
+ private:
+  ros::NodeHandle node_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::map<std::string, std::string> frames_;
+};
+
+TEST_F(NodeInputs, ALeadingSlashGoesOutOnNoTopic) {
+  Frames frames;
+  frames.listen<CorridorState>("corridor");
+  frames.listen<sensor_msgs::Range>("range_fused");
+  for (const char* topic : {"points", "obstacles", "clearing", "octomap_point_cloud_centers"}) {
+    frames.listen<sensor_msgs::PointCloud2>(topic);
+  }
+  frames.listen<stereo_msgs::DisparityImage>("disparity");
+  frames.listen<sensor_msgs::Image>("depth/image_rect");
+  frames.listen<sensor_msgs::CameraInfo>("depth/camera_info");
+  frames.listen<sensor_msgs::Image>("overlay");
+  frames.listen<octomap_msgs::Octomap>("octomap_binary");
+  frames.listen<octomap_msgs::Octomap>("octomap_full");
+  frames.listenToMarkers("occupied_cells_vis_array");
+  frames.listenToMarkers("free_cells_vis_array");
+  frames.listen<visualization_msgs::Marker>("corridor_marker");
+  Inputs inputs;
+  inputs.frame_prefix = "/";
+  ASSERT_TRUE(answers(inputs, [&](const CorridorState&) { return frames.haveCome(); }));
+  for (const auto& [topic, frame] : frames.byTopic()) {
+    EXPECT_EQ(frame, topic == "range_fused" ? "range_link" : "left_optical") << topic;
+  }
+}
+
+TEST_F(NodeInputs, ABaselineInMillimetresIsABadCalibration) {
+  Inputs inputs;
+  inputs.right_info.P[3] *= 1000.0;
+  EXPECT_TRUE(refuses(inputs, CorridorState::BAD_CALIBRATION));
 }
 
 TEST_F(NodeInputs, AfterAllThatTheWallIsSeenAgain) {

@@ -120,8 +120,25 @@ TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
   EXPECT_TRUE(beam.at(5.0, 0.02));
 }
 
-TEST(BeamFootprint, RefusesABeamThatLooksElsewhere) {
-  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
+TEST(BeamFootprint, ABeamEndsInViewOrElsewhere) {
+  const auto endsInView = [](const Eigen::Isometry3d& T_C_L) {
+    return BeamFootprint::endsInView(LidarConfig(), kGeometry, T_C_L);
+  };
+  const auto turned = [](double down_rad) {
+    return opticalFromForward() * Eigen::AngleAxisd(down_rad, Eigen::Vector3d::UnitY());
+  };
+  EXPECT_TRUE(endsInView(besideTheCamera()));
+  EXPECT_TRUE(endsInView(Eigen::Isometry3d(turned(0.5))));  // the view ends at 34 degrees, 0.6 rad
+  EXPECT_FALSE(endsInView(Eigen::Isometry3d(turned(0.7))));
+  EXPECT_FALSE(endsInView(Eigen::Isometry3d(turned(M_PI_2))));
+  EXPECT_FALSE(endsInView(Eigen::Isometry3d(turned(M_PI))));
+  Eigen::Isometry3d nowhere = opticalFromForward();
+  nowhere.translation().x() = kNaN;
+  EXPECT_FALSE(endsInView(nowhere));
+}
+
+TEST(BeamFootprint, RefusesABeamThatPointsBackwards) {
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, opticalFromForward().inverse()), std::invalid_argument);
 }
 
 }  // namespace

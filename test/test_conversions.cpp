@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <string>
+#include <utility>
 
 #include "flight_corridor/overlay.hpp"
 #include "ros/conversions.hpp"
+#include "ros/stereo_subscriber.hpp"
 
 namespace flight_corridor_ros {
 namespace {
@@ -91,6 +94,26 @@ TEST(ToCalibration, ImpossibleNumbersAreLeftForTheGeometryToRefuse) {
   EXPECT_THROW(StereoGeometry(toCalibration(broken, broken)), std::invalid_argument);
 }
 
+TEST(ToCalibration, NamesWhatElseAProjectionMatrixHolds) {
+  const std::pair<std::size_t, double> entries[] = {{1, 3.0}, {7, 42.0}, {10, 0.5}, {10, std::nan("")}};
+  for (const auto& [entry, value] : entries) {
+    sensor_msgs::CameraInfo right = info(350, 326, -42);
+    right.P[entry] = value;
+    const std::string complaint = complaintAbout(info(350, 320, 0), right);
+    EXPECT_TRUE(contains(complaint, "P[" + std::to_string(entry) + "] of right")) << complaint;
+  }
+  EXPECT_TRUE(contains(complaintAbout({}, {}), "not calibrated"));
+}
+
+TEST(ToCalibration, ExchangedCamerasAreNamed) {
+  try {
+    StereoGeometry(toCalibration(info(350, 326, -42), info(350, 320, 0)));
+    FAIL() << "was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(contains(error.what(), "exchanged")) << error.what();
+  }
+}
+
 // --- Range
 
 TEST(ToReading, KeepsWhatTheDriverSaid) {
@@ -162,8 +185,35 @@ TEST(ToGrey, SharesGreyImages) {
 TEST(ToGrey, ReadsColourAndDeepImages) {
   for (const char* encoding : {"bgr8", "rgb8"}) EXPECT_EQ(toGrey(image(encoding, CV_8UC3))->image.at<uchar>(2, 3), 100);
   for (const char* encoding : {"bgra8", "rgba8"}) EXPECT_EQ(toGrey(image(encoding, CV_8UC4))->image.type(), CV_8UC1);
-  EXPECT_EQ(toGrey(image("mono16", CV_16UC1))->image.type(), CV_8UC1);
   EXPECT_EQ(toGrey(image("bayer_rggb8", CV_8UC1))->image.type(), CV_8UC1);
+}
+
+sensor_msgs::ImagePtr deepImage(int grey, bool is_bigendian) {
+  const auto message = toImage(header("left"), cv::Mat(4, 6, CV_16UC1, cv::Scalar(grey)), "mono16");
+  message->is_bigendian = is_bigendian;
+  for (std::size_t i = 0; is_bigendian && i < message->data.size(); i += 2) {
+    std::swap(message->data[i], message->data[i + 1]);
+  }
+  return message;
+}
+
+TEST(ToGrey, ReadsSixteenBitsOfEitherEndianness) {
+  for (const bool is_bigendian : {false, true}) {
+    const auto grey = toGrey(deepImage(100 * 257, is_bigendian));
+    EXPECT_EQ(grey->image.type(), CV_8UC1);
+    EXPECT_EQ(grey->image.at<uchar>(2, 3), 100) << is_bigendian;
+  }
+}
+
+TEST(ToGrey, RefusesTenBitsInSixteenWithTheirBrightest) {
+  for (const bool is_bigendian : {false, true}) {
+    try {
+      toGrey(deepImage(1023, is_bigendian));
+      ADD_FAILURE() << "was taken";
+    } catch (const std::invalid_argument& error) {
+      for (const char* part : {"1023", "65535", "mono8"}) EXPECT_TRUE(contains(error.what(), part)) << error.what();
+    }
+  }
 }
 
 TEST(ToGrey, RefusesWhatIsNoImageByName) {
@@ -275,11 +325,31 @@ TEST(ToResponse, SpeaksAsTheVerdictDoes) {
   EXPECT_EQ(+QueryCorridorResponse::BLOCKED, +CorridorState::BLOCKED);
 }
 
+TEST(ToRange, ItsFrameIsWhatTf2Takes) {
+  sensor_msgs::Range lidar;
+  lidar.header = header("/range_link");
+  EXPECT_EQ(toRange(ros::Time(20), {}, {}, lidar).header.frame_id, "range_link");
+}
+
+TEST(StereoMessages, TheirHeaderHasAFrameThatTf2Takes) {
+  const auto left = image("mono8", CV_8UC1);
+  for (const char* frame : {"/left", "//left", "left"}) {
+    left->header.frame_id = frame;
+    const StereoMessages pair(left, nullptr, nullptr, nullptr);
+    EXPECT_EQ(pair.header.frame_id, "left");
+    EXPECT_EQ(pair.header.stamp, left->header.stamp);
+  }
+}
+
+TEST(ToMarker, GoesByItselfWhenNothingComes) {
+  EXPECT_EQ(toMarker(header("left"), {}, flight_corridor::State::Free, 0.5).lifetime, ros::Duration(0.5));
+}
+
 TEST(ToMarker, IsTheBoxInItsStatesColour) {
   flight_corridor::Box box;
   box.T_M_F = flight_corridor::opticalFromForward();
   box.size_m = {4.0, 1.2, 0.4};
-  const auto marker = toMarker(header("left"), box, flight_corridor::State::Blocked);
+  const auto marker = toMarker(header("left"), box, flight_corridor::State::Blocked, 0.5);
   EXPECT_NEAR(marker.pose.position.z, 2.0, 1e-12);  // forward is z in the optical frame
   EXPECT_NEAR(marker.pose.position.x, 0.0, 1e-12);
   EXPECT_EQ(marker.scale.x, 4.0);

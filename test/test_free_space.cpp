@@ -14,9 +14,9 @@ namespace {
 
 const StereoGeometry kGeometry(test_support::smallCalibration());
 
-/// Cells of the free cubes, and the farthest of them along z of C.
+/// Cells of the free cubes, and where the nearest begins and the farthest ends along z of C.
 struct Found {
-  double cells = 0.0, farthest_m = 0.0;
+  double cells = 0.0, nearest_m = kInfinity, farthest_m = 0.0;
 };
 
 FreeSpace::Families joined(const std::vector<FreeSpace::Families>& lists) {
@@ -25,16 +25,18 @@ FreeSpace::Families joined(const std::vector<FreeSpace::Families>& lists) {
   return all;
 }
 
-Found findBefore(const cv::Mat& depth_m) {
+Found findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
   const MapConfig config;
-  FreeSpace free_space(config, kGeometry);
+  FreeSpace free_space(config, kGeometry, nearest_m);
   Found found;
   for (const FreeSpace::Family& family : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
     EXPECT_TRUE(family.children != 0xFFu || family.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
     for (unsigned i = 0; i < 8; ++i) {
       if ((family.children >> i & 1u) == 0) continue;
       const int edge_cells = 1 << (EvidenceTree::kDepth - family.depth - 1);
-      const int last_z = EvidenceTree::childKey(family.key, family.depth, i)[2] + edge_cells - 32768;
+      const int first_z = EvidenceTree::childKey(family.key, family.depth, i)[2] - 32768;
+      const int last_z = first_z + edge_cells;
+      found.nearest_m = std::min(found.nearest_m, first_z * config.resolution_m);
       found.cells += std::pow(edge_cells, 3);
       found.farthest_m = std::max(found.farthest_m, last_z * config.resolution_m);
     }
@@ -47,6 +49,18 @@ TEST(FreeSpace, ReachesUpToTheBandBeforeAWall) {
   const double end_m = kGeometry.shiftedDepth(4.0, MapConfig().free_band_px);
   EXPECT_LE(found.farthest_m, end_m + 1e-6);
   EXPECT_GT(found.farthest_m, end_m - MapConfig().resolution_m - 1e-6);
+}
+
+TEST(FreeSpace, BeginsWhereASurfaceWouldHaveBeenSeen) {
+  const cv::Mat wall_m = test_support::wallDepth(kGeometry.size(), 4.0);
+  const Found all = findBefore(wall_m);
+  for (const double nearest_m : {0.33, 1.0, 1.47, 3.05}) {
+    const Found found = findBefore(wall_m, nearest_m);
+    EXPECT_GE(found.nearest_m, nearest_m - 1e-6);
+    EXPECT_LT(found.nearest_m, nearest_m + MapConfig().resolution_m + 1e-6);
+    EXPECT_EQ(found.farthest_m, all.farthest_m);
+    EXPECT_LT(found.cells, all.cells);
+  }
 }
 
 TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
@@ -63,7 +77,7 @@ TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
   const auto found_by = [&](int threads) {
     const int usual = cv::getNumThreads();
     cv::setNumThreads(threads);
-    FreeSpace free_space(MapConfig(), kGeometry);
+    FreeSpace free_space(MapConfig(), kGeometry, 0.0);
     const FreeSpace::Families families = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
     cv::setNumThreads(usual);
     return families;
@@ -79,7 +93,7 @@ TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(FreeSpace, FindsNothingOfTheImageBefore) {
-  FreeSpace free_space(MapConfig(), kGeometry);
+  FreeSpace free_space(MapConfig(), kGeometry, 0.0);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   EXPECT_GT(joined(free_space.find(test_support::wallDepth(kGeometry.size(), 4.0), here)).size(), 0u);
   EXPECT_EQ(joined(free_space.find(test_support::wallDepth(kGeometry.size(), kNaN), here)).size(), 0u);

@@ -116,13 +116,5 @@ TEST(LidarWatch, ForgetsABurstAtTheStart) {
   EXPECT_FALSE(watch.isSlow(10.0));
 }
 
-TEST(LidarWatch, BeginsAnewWhenTheClockIsSetBack) {
-  LidarWatch watch;
-  feed(watch, 100.0, 101.0, 100.0);
-  watch.add(reading(1.0, 5.0), true);
-  EXPECT_EQ(watch.range(1.0, 0.5), 5.0);
-  EXPECT_FALSE(watch.isSlow(1.0));
-}
-
 }  // namespace
 }  // namespace flight_corridor

@@ -77,7 +77,7 @@ TEST_F(MapConversions, OctomapsCanBeReadBack) {
 TEST_F(MapConversions, AnEmptyTreeIsAnEmptyOctomap) {
   const octomap::OcTree empty(0.1);
   EXPECT_TRUE(toBinaryOctomap(header("odom"), empty).data.empty());
-  EXPECT_TRUE(toProjectedMap(header("odom"), empty, Eigen::Isometry3d::Identity()).data.empty());
+  EXPECT_TRUE(toProjectedMap(header("odom"), empty).data.empty());
   EXPECT_EQ(toCellCentres(header("odom"), empty).width, 0u);
 }
 
@@ -112,7 +112,7 @@ TEST_F(MapConversions, CentresAreThoseOfTheOccupiedCells) {
 }
 
 TEST_F(MapConversions, ProjectedMapTellsOccupiedFreeAndUnknownColumns) {
-  const auto grid = toProjectedMap(header("odom"), tree, Eigen::Isometry3d::Identity());
+  const auto grid = toProjectedMap(header("odom"), tree);
   ASSERT_EQ(grid.info.width, 3u);   // x 1.0 to 1.3
   ASSERT_EQ(grid.info.height, 3u);  // y -0.2 to 0.1
   EXPECT_NEAR(grid.info.origin.position.x, 1.0, 1e-6);
@@ -120,17 +120,6 @@ TEST_F(MapConversions, ProjectedMapTellsOccupiedFreeAndUnknownColumns) {
   EXPECT_EQ(grid.data[2 * 3 + 0], 100);
   EXPECT_EQ(grid.data[0 * 3 + 2], 0);
   EXPECT_EQ(grid.data[1 * 3 + 1], -1);
-}
-
-TEST_F(MapConversions, ProjectedMapOfACameraFrameLiesLevel) {
-  octomap::OcTree camera_tree(0.1);
-  camera_tree.updateNode(octomap::point3d(0.05f, -0.45f, 2.05f), 2.0f);  // above, 2 m ahead
-  const auto grid = toProjectedMap(header("left"), camera_tree, flight_corridor::opticalFromForward());
-  ASSERT_EQ(grid.data.size(), 1u);
-  EXPECT_EQ(grid.data[0], 100);
-  EXPECT_NEAR(grid.info.origin.position.z, 2.0, 1e-6);
-  EXPECT_NEAR(grid.info.origin.position.y, 0.0, 1e-6);  // at the camera's height
-  EXPECT_NEAR(grid.info.origin.position.x, 0.1, 1e-6);  // the grid's y grows to the left
 }
 
 TEST_F(MapConversions, LargeLeavesFillTheirWholeSquare) {
@@ -141,8 +130,7 @@ TEST_F(MapConversions, LargeLeavesFillTheirWholeSquare) {
     }
   }
   ASSERT_EQ(pruned.getNumLeafNodes(), 1u);
-  EXPECT_EQ(toProjectedMap(header("odom"), pruned, Eigen::Isometry3d::Identity()).data,
-            std::vector<std::int8_t>(4, 100));
+  EXPECT_EQ(toProjectedMap(header("odom"), pruned).data, std::vector<std::int8_t>(4, 100));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "flight_corridor/pipeline.hpp"
 #include "support/calibrations.hpp"
@@ -18,11 +19,10 @@ const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 TEST(PipelineInputs, ReadingsThatAreNoRangesAreCountedAndNamed) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  for (const double range : {kNaN, kInfinity, -kInfinity, 0.0, 0.1, 9509.0}) {
-    EXPECT_EQ(pipeline.addRange(reading(1.0, range)), Outcome::Invalid) << range;
-  }
-  EXPECT_EQ(pipeline.counters().lidar_invalid, 6u);
+  for (const double range : {kNaN, kInfinity, -kInfinity, 0.0, 0.1, 9509.0}) pipeline.addRange(reading(1.0, range));
   const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));
+  EXPECT_EQ(pipeline.counters().lidar, 6u);
+  EXPECT_EQ(pipeline.counters().lidar_invalid, 6u);
   EXPECT_TRUE(report.verdict.reasons & kNoLidar);
   EXPECT_TRUE(report.verdict.reasons & kLidarRejected);
 }
@@ -103,6 +103,57 @@ TEST(PipelineInputs, AMapInTheWorldNeedsAPose) {
     EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose) << scale.transpose();
   }
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
+}
+
+TEST(PipelineInputs, APairFromBeforeTheLastOneIsNoData) {
+  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  pipeline.process(wallFrame(kGeometry, 3, 1.0));
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 0.9)).verdict.reasons, kNoData);
+  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.state, State::Free);
+}
+
+TEST(PipelineInputs, ARigThatSeesNothingBeforeHalfTheCorridorIsRefused) {
+  StereoCalibration calibration = smallCalibration();
+  calibration.baseline_m = 2.0;  // 2.8 m at 127 px
+  try {
+    Pipeline(Config(), StereoGeometry(calibration), rigWithLidar());
+    FAIL() << "was taken";
+  } catch (const std::invalid_argument& error) {
+    const std::string complaint = error.what();
+    for (const char* part : {"2.8", "4 m", "baseline", "num_disparities_px"}) {
+      EXPECT_NE(complaint.find(part), std::string::npos) << complaint;
+    }
+  }
+}
+
+TEST(PipelineInputs, SpaceBeforeTheNearestDepthIsUnobserved) {
+  Config config;
+  config.stereo.num_disparities_px = 32;  // 0.7 m: beyond corridor/blind_m
+  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  EXPECT_FALSE(pipeline.seesFromBlind());
+  const double blind_m = pipeline.nearestDepth() - config.corridor.blind_m;
+  const double needed_m = config.corridor.length_m - config.corridor.blind_m;
+  const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict;
+  EXPECT_NEAR(verdict.unknown_fraction, blind_m / needed_m, 0.03);  // a cell of 0.1 m of the 3.6 m
+  const auto near = [&](double from_m, double length_m) {
+    return pipeline.query({opticalFromForward() * Eigen::Translation3d(from_m, 0, 0), {length_m, 0.3, 0.2}});
+  };
+  EXPECT_EQ(near(0.3, 0.4).state, State::Unknown);
+  EXPECT_EQ(near(0.8, 0.4).state, State::Free);
+}
+
+TEST(PipelineInputs, ARigThatIsBlindTooFarIsNeverFree) {
+  Config config;
+  config.stereo.num_disparities_px = 32;
+  StereoCalibration calibration = smallCalibration();
+  calibration.baseline_m = 0.24;  // 1.45 m
+  const StereoGeometry geometry(calibration);
+  Pipeline pipeline(config, geometry, rigWithLidar());
+  for (int i = 0; i < 5; ++i) {
+    const Verdict verdict = pipeline.process(wallFrame(geometry, 6, 1.0 + 0.1 * i)).verdict;
+    EXPECT_EQ(verdict.state, State::Unknown);
+    EXPECT_TRUE(verdict.reasons & kUnobserved);
+  }
 }
 
 TEST(PipelineInputs, RefusesABrokenConfiguration) {

@@ -56,7 +56,7 @@ class ProcessorTest : public testing::Test {
 
   Transforms transforms;
   NodeConfig config;
-  Inbox inbox{config.ros};
+  Inbox inbox;
   Processor processor{config, transforms, inbox};
   double principal_point_px = 0.0;
 };
@@ -83,6 +83,92 @@ TEST_F(ProcessorTest, ALidarThatTfDoesNotKnowGivesNoFusedRangeAFrame) {
   putRange("range_down", kFar_m, kStart);
   EXPECT_TRUE(see(kFar_m, kStart, 1).reasons & kNoLidar);
   EXPECT_FALSE(processor.lidar());
+}
+
+TEST_F(ProcessorTest, TheLidarIsTheOneWhoseBeamEndsInViewWhicheverComesLast) {
+  mount("range_down", M_PI_2);
+  mount("range_back", M_PI);
+  for (int i = 0; i < 3; ++i) {
+    const ros::Time stamp = kStart + ros::Duration(0.1 * i);
+    putRange("range_down", 1.5, stamp);
+    putRange("range_link", kFar_m, stamp);
+    putRange("/range_back", 1.2, stamp);
+    EXPECT_EQ(see(kFar_m, stamp, 1 + static_cast<std::uint64_t>(i)).state, State::Free);
+    EXPECT_NEAR(processor.report().range_lidar_m, kFar_m, 1e-6);
+    ASSERT_TRUE(processor.lidar());
+    EXPECT_EQ(processor.lidar()->header.frame_id, "range_link");
+  }
+}
+
+TEST_F(ProcessorTest, ADownwardRangefinderAloneIsNoLidar) {
+  mount("range_down", M_PI_2);
+  putRange("range_down", 1.5, kStart);
+  const Verdict verdict = see(kFar_m, kStart, 1);
+  EXPECT_EQ(verdict.state, State::Free);
+  EXPECT_TRUE(verdict.reasons & kNoLidar);
+}
+
+TEST_F(ProcessorTest, AMountingThatIsSentAgainWithOtherNumbersCounts) {
+  const auto seeAt = [&](double after_s, double range_m) {
+    const ros::Time stamp = kStart + ros::Duration(after_s);
+    putRange("range_link", range_m, stamp);
+    see(kFar_m, stamp, 1 + static_cast<std::uint64_t>(10.0 * after_s));
+    return processor.report();
+  };
+  EXPECT_NEAR(seeAt(0.0, kFar_m).range_stereo_m, kFar_m, 0.05);
+  geometry_msgs::TransformStamped moved = tf2::eigenToTransform(Eigen::Translation3d(0, 0, 0.5) * opticalFromForward());
+  moved.header.frame_id = "left_optical";
+  moved.child_frame_id = "range_link";
+  transforms.add(moved, true);
+  EXPECT_NEAR(seeAt(0.1, kFar_m - 0.5).range_stereo_m, kFar_m - 0.5, 0.05);
+  EXPECT_EQ(processor.counters().frames, 2u) << "by one pipeline: nothing is forgotten";
+  mount("range_link", M_PI_2);  // looks aside now
+  EXPECT_TRUE(seeAt(1.0, 1.5).verdict.reasons & kNoLidar);
+  EXPECT_FALSE(processor.lidar());
+}
+
+TEST_F(ProcessorTest, ReadingsWithImpossibleStampsAreRefusedAndCounted) {
+  for (int i = 0; i < 4; ++i) {
+    const ros::Time stamp = kStart + ros::Duration(0.1 * i);
+    putRange("range_link", kFar_m, stamp);
+    putRange("range_link", 1.0, ros::Time());
+    putRange("range_link", 1.0, ros::Time(37.0 + i));
+    putRange("range_link", 1.0, stamp + ros::Duration(3600.0));
+    EXPECT_EQ(see(kFar_m, stamp, 1 + static_cast<std::uint64_t>(i)).state, State::Free);
+    EXPECT_NEAR(processor.report().range_lidar_m, kFar_m, 1e-6);
+  }
+  EXPECT_EQ(processor.counters().refused, 9u) << "three a pair, but for the first, before which there was no time";
+}
+
+TEST_F(ProcessorTest, FramesOfTheFirstGenerationGoOutAsTf2TakesThem) {
+  StereoInputs inputs(kFar_m, 1);
+  inputs.stamp(kStart);
+  inputs.left->header.frame_id = "/left_optical";
+  putRange("/range_link", kFar_m, kStart);
+  EXPECT_EQ(processor.process(messages(inputs)).verdict.state, State::Free);
+  EXPECT_NEAR(processor.report().range_lidar_m, kFar_m, 1e-6);
+  EXPECT_EQ(processor.mapHeader().frame_id, "left_optical");
+}
+
+TEST_F(ProcessorTest, ABaselineInMillimetresIsABadCalibrationAlsoForTheFirstPair) {
+  for (const double factor : {1000.0, 100.0, 1.0 / 0.0254}) {
+    StereoInputs inputs(kNear_m, 1);
+    inputs.stamp(kStart);
+    inputs.right_info.P[3] *= factor;
+    putRange("range_link", kNear_m, kStart);
+    processor.reset();
+    EXPECT_EQ(processor.process(messages(inputs)).verdict.reasons, kBadCalibration) << factor;
+  }
+}
+
+TEST_F(ProcessorTest, ImagesOfHalfTheCalibrationsSizeAreBadImages) {
+  StereoInputs inputs(kFar_m, 1);
+  inputs.stamp(kStart);
+  for (const auto& image : {inputs.left, inputs.right}) {
+    image->width /= 2;
+    image->height /= 2;
+  }
+  EXPECT_EQ(processor.process(messages(inputs)).verdict.reasons, kBadImage);
 }
 
 TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {

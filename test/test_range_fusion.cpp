@@ -164,13 +164,6 @@ TEST(RangeFusion, AccelerationsAloneAreNoRange) {
   EXPECT_TRUE(std::isnan(fusion.at(1.0).range_m));
 }
 
-TEST(RangeFusion, AStampFromTheFutureIsNotTheEnd) {
-  RangeFusion fusion((FusionConfig()));
-  fusion.add(Sensor::Lidar, 3600.0, 5.0, kLidarVariance_m2);
-  for (int i = 0; i < 10; ++i) fusion.add(Sensor::Lidar, 1.0 + 0.01 * i, 5.0, kLidarVariance_m2);
-  EXPECT_NEAR(fusion.at(1.1).range_m, 5.0, 0.1);
-}
-
 TEST(RangeFusion, AnHourOfReadingsChangesNothingOfTheirFusion) {
   RangeFusion flown((FusionConfig())), fresh((FusionConfig()));
   for (int i = 0; i < 360000; ++i) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <opencv2/core/mat.hpp>
+#include <optional>
+#include <stdexcept>
 
 #include "flight_corridor/range_tracker.hpp"
 #include "support/calibrations.hpp"
@@ -59,10 +61,47 @@ TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
 
 TEST(RangeTracker, AReadingOfALidarWhosePlaceIsUnknownIsNotUsed) {
   RangeTracker tracker(Config(), kGeometry, std::nullopt);
-  EXPECT_EQ(tracker.addRange(reading(1.0, 3.0)), Outcome::Invalid);
+  tracker.addRange(reading(1.0, 3.0));
   const TrackedRange tracked = tracker.update(1.0, showing(kNaN));
   EXPECT_EQ(tracked.range_reasons, kNoLidar | kLidarRejected | kNoRangeObserved);
   EXPECT_EQ(tracked.stereo_outcome, Outcome::Invalid);
+}
+
+TEST(RangeTracker, ReadingsWithAnImpossibleStampTouchNothing) {
+  RangeTracker tracker = trackerWithLidar(), clean = trackerWithLidar();
+  TrackedRange tracked, expected;
+  for (int i = 0; i < 100; ++i) {  // the LiDAR ends on glass at 3 m: a disagreement that must not be forgotten
+    const double stamp_s = 100.0 + 0.01 * i, range_m = 3.0 + 0.001 * (i % 2);
+    const double wrong_s[] = {0.0, -1e9, 1e9, stamp_s - 60.0, stamp_s + 3600.0, kNaN, kInfinity, 37.0 + 0.01 * i};
+    const bool is_wrong = i % 5 == 3;
+    tracker.addRange(reading(is_wrong ? wrong_s[i / 5 % 8] : stamp_s, range_m));
+    tracker.addAcceleration(is_wrong ? wrong_s[i / 5 % 8] : stamp_s, Eigen::Vector3d::Zero());
+    if (!is_wrong) {
+      clean.addRange(reading(stamp_s, range_m));
+      clean.addAcceleration(stamp_s, Eigen::Vector3d::Zero());
+    }
+    if (i % 5 != 4) continue;
+    tracked = tracker.update(stamp_s, showing(3.0));
+    expected = clean.update(stamp_s, showing(3.0));
+    EXPECT_EQ(tracked.range.range_m, expected.range.range_m) << i;
+    EXPECT_EQ(tracked.range_reasons, expected.range_reasons) << i;
+    EXPECT_EQ(tracked.lidar_is_nearer, expected.lidar_is_nearer) << i;
+  }
+  EXPECT_TRUE(tracked.lidar_is_nearer);
+  EXPECT_EQ(tracker.counts().refused, 2u * 19u) << "all but the first pair's, whose time nobody knew before";
+}
+
+TEST(RangeTracker, AMountingThatIsToldAnewCounts) {
+  RangeTracker tracker = trackerWithLidar();
+  const Eigen::Isometry3d T_C_L = *rigWithLidar().T_C_L;
+  const Eigen::Isometry3d moved = Eigen::Translation3d(0.0, 0.0, 0.5) * T_C_L;
+  const TrackedRange before = trackedFor(tracker, 3.0, showing(7.0));
+  EXPECT_NEAR(before.range_stereo_m, 3.0 - T_C_L.translation().z(), 1e-6);
+  tracker.mount(moved);
+  EXPECT_NEAR(tracker.update(1.5, showing(7.0)).range_stereo_m, 3.0 - moved.translation().z(), 1e-6);
+  tracker.mount(std::nullopt);
+  EXPECT_NEAR(tracker.update(1.6, showing(7.0)).range_stereo_m, 3.0, 1e-6) << "the camera's axis";
+  EXPECT_THROW(tracker.mount(Eigen::Isometry3d::Identity()), std::invalid_argument) << "looks to the right";
 }
 
 TEST(RangeTracker, AMatchThatDiffersFromTheLidarTeachesTheScale) {

@@ -64,17 +64,38 @@ TEST(StereoGeometry, AForwardFrameLooksAlongTheOpticalAxis) {
   EXPECT_DOUBLE_EQ(T_C_F.linear().determinant(), 1.0);
 }
 
+/// What is said of a calibration that was spoilt.
+template <typename Spoil>
+std::string message(Spoil spoil) {
+  StereoCalibration calibration = vgaCalibration();
+  spoil(calibration);
+  try {
+    const StereoGeometry geometry(calibration);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(StereoGeometry, RefusesABaselineInAnotherUnitAndNamesTheUnit) {
+  const auto complaint = [](double baseline_m) { return message([&](auto& c) { c.baseline_m = baseline_m; }); };
+  const auto names = [](const std::string& text, const std::string& part) { return text.find(part) != text.npos; };
+  for (const double baseline_m : {0.05, 0.12, 0.54}) {
+    EXPECT_EQ(complaint(baseline_m), "accepted");
+    const std::string mm = complaint(1000.0 * baseline_m), cm = complaint(100.0 * baseline_m);
+    EXPECT_TRUE(names(mm, "0.01 to 2 m")) << mm;
+    EXPECT_TRUE(names(mm, "in mm (" + std::to_string(baseline_m) + " m)")) << mm;
+    EXPECT_TRUE(names(cm, "in cm (" + std::to_string(baseline_m) + " m)")) << cm;
+  }
+  EXPECT_TRUE(names(complaint(0.12 / 0.0254), "inches (0.12")) << complaint(0.12 / 0.0254);
+  EXPECT_TRUE(names(complaint(193.001), "193.001 m")) << complaint(193.001);
+  EXPECT_TRUE(names(complaint(0.00012), "baseline")) << "kilometres";
+  EXPECT_TRUE(names(complaint(-0.12), "exchanged")) << complaint(-0.12);
+  EXPECT_TRUE(names(complaint(0.0), "one place")) << complaint(0.0);
+  EXPECT_TRUE(names(complaint(kNaN), "baseline")) << complaint(kNaN);
+}
+
 TEST(StereoGeometry, RefusesEachImpossibleNumberByName) {
-  const auto message = [](auto spoil) {
-    StereoCalibration calibration = vgaCalibration();
-    spoil(calibration);
-    try {
-      const StereoGeometry geometry(calibration);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
   EXPECT_NE(message([](auto& c) { c.baseline_m = 0.0; }).find("baseline"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.fx_px = -350.0; }).find("fx"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.fy_px = kNaN; }).find("fy"), std::string::npos);

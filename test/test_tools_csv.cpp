@@ -55,6 +55,19 @@ TEST(Stamp, RefusesWhatRosTimeCannotHold) {
   }
 }
 
+TEST(Stamp, NamesTheUnitOfPresentDayStampsThatAreNotInSeconds) {
+  for (const auto& [text, unit] :
+       {std::pair("1403636579763", "milliseconds"), std::pair("1403636579763.5", "milliseconds"),
+        std::pair("1403636579763555", "microseconds"), std::pair("1403636579763555584", "nanoseconds")}) {
+    try {
+      parseStamp(text);
+      FAIL() << text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "'" + std::string(text) + "' is in " + unit + "; wanted are seconds, sec.nanosec");
+    }
+  }
+}
+
 TEST_F(CsvTest, ResultsHaveTheAgreedHeader) {
   writeResults(folder.path("r.csv"), {});
   EXPECT_EQ(readText(folder.path("r.csv")),
@@ -113,7 +126,22 @@ TEST_F(CsvTest, NamesAnEmptyFile) {
 
 TEST_F(CsvTest, NamesAMissingColumn) {
   const std::string path = write("stamp,clear_exact\n1,inf\n");
-  EXPECT_EQ(error([&] { readTruth(path); }), path + ": no column 'clear_shrunk'");
+  EXPECT_EQ(error([&] { readTruth(path); }),
+            path + ": no column 'clear_shrunk'; line 1, the header, is 'stamp,clear_exact'");
+}
+
+TEST_F(CsvTest, NamesTheCommentThatMayHaveBeenMeantAsTheHeader) {
+  const std::string path = write("# EuRoC\r\n#timestamp [ns],filename\r\n7,7.png\r\n");
+  EXPECT_EQ(error([&] { CsvTable(path).stamps("stamp_s"); }),
+            path +
+                ": no column 'stamp_s'; line 3, the header, is '7,7.png'; '#timestamp [ns],filename' above it is a "
+                "comment, as it begins with #. Wanted is a header with it, and stamps in seconds");
+}
+
+TEST_F(CsvTest, ReadsWhatSpreadsheetsWriteUnderWindows) {
+  const CsvTable table(write("\xEF\xBB\xBFstamp_s,range_m\r\n1.5,2.25\r\n\r\n"));
+  EXPECT_EQ(table.stamps("stamp_s"), std::vector<ros::Time>{ros::Time(1.5)});
+  EXPECT_EQ(table.number(0, "range_m"), 2.25);
 }
 
 TEST_F(CsvTest, NamesALineWithTooFewCells) {

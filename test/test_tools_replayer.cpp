@@ -7,9 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "flight_corridor/corridor.hpp"
 #include "ros/conversions.hpp"
-#include "support/temporary_folder.hpp"
+#include "support/wall_bag.hpp"
 #include "tools/csv.hpp"
 #include "tools/map_file.hpp"
 #include "tools/replayer.hpp"
@@ -17,41 +16,11 @@
 namespace flight_corridor::tools {
 namespace {
 
-const ros::Time kStart(1603715273, 0);
-constexpr int kWidth = 160, kHeight = 120;
-constexpr double kFocal_px = 90.0, kBaseline_m = 0.12;
+using test_support::kBaseline_m, test_support::kFocal_px, test_support::kHeight, test_support::kStart,
+    test_support::kWidth;
 
-/// A textured wall, frontal, at the depth of a whole-pixel disparity: both images are one noise texture, shifted.
-class ReplayerTest : public testing::Test {
+class ReplayerTest : public test_support::WallBagTest {
  protected:
-  ReplayerTest() {
-    rig.calibration.size_px = {kWidth, kHeight};
-    rig.calibration.fx_px = rig.calibration.fy_px = kFocal_px;
-    rig.calibration.cx_px = rig.calibration.cx_right_px = 79.5;
-    rig.calibration.cy_px = 59.5;
-    rig.calibration.baseline_m = kBaseline_m;
-    rig.T_B_C = opticalFromForward().inverse();
-    cv::RNG random(1);
-    random.fill(texture, cv::RNG::UNIFORM, 0, 255);
-    config.core.stereo.num_disparities_px = 32;
-  }
-
-  std::string path() const { return folder.path("flight.bag"); }
-  cv::Mat view(int shift_px) const { return texture.colRange(shift_px, shift_px + kWidth).clone(); }
-
-  /// Six pairs at 10 Hz of a wall at f*B/disparity, and a LiDAR that sees it.
-  void writeWall(int disparity_px) const {
-    StereoBagWriter bag(path(), rig, kStart);
-    for (int i = 0; i < 6; ++i) {
-      const ros::Time stamp = kStart + ros::Duration(0.1 * i);
-      RangeReading reading;
-      reading.range_m = kFocal_px * kBaseline_m / disparity_px;
-      bag.writeRange(stamp, reading);
-      bag.writePair(stamp, view(0), view(disparity_px));
-    }
-    bag.close();
-  }
-
   /// Adds half a second of an imu, and of its attitude where wanted: level.
   void writeImu(const sensor_msgs::Imu& imu, bool with_attitude = true) const {
     rosbag::Bag bag(path(), rosbag::bagmode::Append);
@@ -116,18 +85,6 @@ class ReplayerTest : public testing::Test {
     message.data.resize(message.width * message.height, 100);
     return message;
   }
-
-  std::vector<Report> replay() const {
-    const StereoBagReader bag(path(), {});
-    std::vector<Report> reports;
-    Replayer(bag, config).run([&](const Answer& answer) { reports.push_back(answer.report); });
-    return reports;
-  }
-
-  test_support::TemporaryFolder folder;
-  BagRig rig;
-  cv::Mat texture = cv::Mat(kHeight, kWidth + 32, CV_8UC1);
-  flight_corridor_ros::NodeConfig config;
 };
 
 TEST_F(ReplayerTest, ReportsTheWallThatStereoAndLidarSee) {

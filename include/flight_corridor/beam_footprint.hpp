@@ -39,8 +39,11 @@ class BeamFootprint {
   static constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
 
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
-  /// @throws std::invalid_argument with every broken rule, or when the beam does not point to where the camera looks.
+  /// @throws std::invalid_argument with every broken rule, or when the beam points backwards.
   BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
+
+  /// Whether the far end of a beam (along +x of L) is on the left image: that of a LiDAR that looks along.
+  static bool endsInView(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
 
   /// Footprint at a range along the beam; nullopt when it lies outside the image or behind the camera.
   std::optional<Footprint> at(double range_m, double beam_width_rad) const;

@@ -55,7 +55,7 @@ class DisparityEstimator {
   /// @param out refilled.
   void estimate(const StereoFrame& frame, Disparity& out);
 
-  /// Where in C a surface could be matched: on both images, and within the disparities searched.
+  /// Where in C a surface is on both images. Also where it is too near for the disparities searched.
   ConvexRegion observable() const;
 
   /// Nothing nearer is found: a smaller disparity is taken for it, or none [m].

@@ -29,7 +29,8 @@ class FreeSpace {
 
   using Families = std::vector<Family>;
 
-  FreeSpace(const MapConfig& config, const StereoGeometry& geometry);
+  /// @param nearest_m depth of the nearest surface that would have been seen: nothing nearer is shown free.
+  FreeSpace(const MapConfig& config, const StereoGeometry& geometry, double nearest_m);
 
   /// All free cells, by large cubes that hold nothing else; within a block by the largest.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
@@ -64,6 +65,7 @@ class FreeSpace {
 
   MapConfig config_;
   StereoGeometry geometry_;
+  float nearest_m_;
   DepthPyramid pyramid_;
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::array<Orientation, EvidenceTree::kDepth + 1> orientations_;  // per depth

@@ -22,8 +22,9 @@ namespace flight_corridor {
 /// Frame M is the map's: W with odometry, C without. Cells behind surfaces and without data stay unknown.
 class OccupancyMap {
  public:
+  /// @param nearest_m depth of the nearest surface that would have been seen: a depth image frees nothing nearer.
   /// @throws std::invalid_argument with every broken rule.
-  OccupancyMap(const MapConfig& config, const StereoGeometry& geometry);
+  OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m = 0.0);
 
   /// Hits: cells holding enough points for their distance. Misses: cells that the rays through them end beyond, coarse
   /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.

@@ -36,24 +36,31 @@ struct Report : TrackedRange {
 };
 
 /// Counts since construction, for diagnostics.
-struct Counters {
+struct Counters : RangeCounts {
   std::uint64_t frames = 0, frames_refused = 0;
-  std::uint64_t lidar_readings = 0, lidar_invalid = 0, lidar_gated = 0, stereo_gated = 0;
 };
 
 /// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws.
 class Pipeline {
  public:
-  /// @throws std::invalid_argument with every broken rule of the config or the rig.
+  /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing nearer
+  /// than half the way to the corridor's end.
   Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
 
-  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).
-  Outcome addRange(const RangeReading& reading);
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the pair that is not before it.
+  void addRange(const RangeReading& reading) { range_tracker_.addRange(reading); }
 
   /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
-  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2);
+  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
+    range_tracker_.addAcceleration(stamp_s, acceleration_C_mps2);
+  }
 
-  /// The verdict for one stereo pair.
+  /// From now on the LiDAR sits there, or there is none; what is known of the range stays.
+  /// @throws std::invalid_argument when its beam ends out of view.
+  void mountLidar(const std::optional<Eigen::Isometry3d>& T_C_L) { range_tracker_.mount(T_C_L); }
+
+  /// The verdict for one stereo pair. One with an earlier stamp than the last is refused (NO_DATA): where the clock was
+  /// set back, make a new pipeline.
   /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set,
   /// else unused.
   /// @return valid until the next call.
@@ -80,8 +87,10 @@ class Pipeline {
   const Config& config() const { return config_; }
   const StereoGeometry& geometry() const { return geometry_; }
   const Counters& counters() const { return counters_; }
-  /// An obstacle nearer than this is not seen, and may be called free [m].
+  /// Nothing nearer is seen by stereo: that space stays unobserved [m].
   double nearestDepth() const { return disparity_estimator_.nearestDepth(); }
+  /// Whether stereo sees all that corridor/blind_m does not excuse: then rays may be cleared from the camera on.
+  bool seesFromBlind() const { return nearestDepth() <= config_.corridor.blind_m; }
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
   const DepthImages& depth() const { return depth_; }
@@ -125,6 +134,7 @@ class Pipeline {
   Corridor corridor_;
   RecentBlock recent_block_;
 
+  double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   std::uint32_t doubts_ = 0;        // about its matches where the corridor is

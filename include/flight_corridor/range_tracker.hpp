@@ -8,6 +8,7 @@
 #include "flight_corridor/config.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/lidar_watch.hpp"
+#include "flight_corridor/pending_readings.hpp"
 #include "flight_corridor/range_fusion.hpp"
 #include "flight_corridor/scale_correction.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
@@ -29,6 +30,19 @@ struct TrackedRange {
   std::uint32_t range_reasons = 0;  ///< DISAGREEMENT, NO_LIDAR, LIDAR_REJECTED, NO_RANGE_OBSERVED where they hold.
 };
 
+/// Whether a reading is a range within the limits of its message and of the configuration.
+bool isRange(const RangeReading& reading, const LidarConfig& config);
+
+/// What became of the LiDAR's readings and of stereo's, since construction.
+struct RangeCounts {
+  std::uint64_t lidar = 0;          ///< Readings whose pair has come.
+  std::uint64_t lidar_invalid = 0;  ///< ... that are no ranges within the limits, or came too late for the filter.
+  std::uint64_t lidar_gated = 0;
+  std::uint64_t stereo_gated = 0;
+  std::uint64_t refused =
+      0;  ///< Ranges and accelerations without a stamp, or too far from the pairs' (PendingReadings).
+};
+
 /// How far the surface on the LiDAR's beam is: d_K from the LiDAR's readings and from stereo's, and what the two teach
 /// about the rig's scale.
 class RangeTracker {
@@ -37,20 +51,35 @@ class RangeTracker {
   /// @throws std::invalid_argument with what is wrong.
   RangeTracker(const Config& config, const StereoGeometry& geometry, const std::optional<Eigen::Isometry3d>& T_C_L);
 
-  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s).
-  Outcome addRange(const RangeReading& reading);
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the pair that is not before it.
+  void addRange(const RangeReading& reading) { ranges_.put(reading.stamp_s, reading); }
 
   /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
-  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2);
+  void addAcceleration(double stamp_s, const Eigen::Vector3d& acceleration_C_mps2) {
+    accelerations_.put(stamp_s, {stamp_s, acceleration_C_mps2});
+  }
 
-  /// Fuses what a stereo pair shows on the beam.
+  /// From now on the LiDAR sits there, or there is none; what is known of the range stays.
+  /// @throws std::invalid_argument when its beam ends out of view.
+  void mount(const std::optional<Eigen::Isometry3d>& T_C_L);
+
+  /// Fuses the readings up to a stereo pair, and what that shows on the beam.
+  /// @param stamp_s not before the last one.
   TrackedRange update(double stamp_s, const Disparity& disparity);
 
   /// Point of C at a range along the beam [m].
   Eigen::Vector3d point(double range_m) const { return beam_.point(range_m); }
   const ScaleCorrection& scale() const { return scale_; }
+  const RangeCounts& counts() const { return counts_; }
 
  private:
+  struct Acceleration {
+    double stamp_s;
+    Eigen::Vector3d acceleration_C_mps2;
+  };
+
+  void fuseReadings(double stamp_s);
+  void fuse(const RangeReading& reading);
   bool isShownBeside(double range_m, const cv::Mat& matched_px);
   double stereoVariance(const FootprintReading& stereo) const;
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
@@ -66,6 +95,9 @@ class RangeTracker {
   RangeFusion fusion_;
   ScaleCorrection scale_;
   LidarWatch lidar_;
+  PendingReadings<RangeReading> ranges_;
+  PendingReadings<Acceleration> accelerations_;
+  RangeCounts counts_;
 };
 
 }  // namespace flight_corridor

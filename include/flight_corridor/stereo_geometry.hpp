@@ -18,7 +18,7 @@ struct StereoCalibration {
   double cx_px = kNaN;  ///< Principal point of the left image; pixel (0,0) has its centre at (0.0, 0.0).
   double cy_px = kNaN;
   double cx_right_px = kNaN;  ///< Principal point of the right image; may differ from cx_px.
-  double baseline_m = kNaN;   ///< Distance of the optical centres, > 0.
+  double baseline_m = kNaN;   ///< Distance of the optical centres, 0.01 to 2.
 };
 
 /// T_C_F of a frame F at the camera's place, x forward, y left, z up: what lies ahead along the optical axis.

@@ -13,9 +13,6 @@ namespace flight_corridor {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// No reading is so late: the clock was set back, or the newest stamp was wrong.
-constexpr double kClockSetBack_s = 5.0;
-
 /// Broken configuration rules as sentences "section/key: rule (value)"; empty when all hold.
 using Violations = std::vector<std::string>;
 
@@ -74,10 +71,11 @@ enum Reason : std::uint32_t {
   kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
   kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
   kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the box has not been seen, or was not believed.
-  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old.
+  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old, or from before the last one.
   kNoPose = 1u << 4,          ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or impossible mounting.
+  kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo that sees nothing before
+                              ///< half the corridor.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
                               ///< saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the

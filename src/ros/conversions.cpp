@@ -4,11 +4,14 @@
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "flight_corridor/overlay.hpp"
+#include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
 
@@ -16,12 +19,31 @@ namespace {
 
 constexpr double kSamePx = 0.01;            // what rounding in a calibration file may differ
 constexpr double kSubpixelStep = 1 / 16.0;  // of StereoSGBM
+constexpr int kLeastBrightest = 4096;       // of 16 bits: a sixteenth, below which nothing could be matched
 constexpr double kUnitNorm = 0.01;          // what rounding in a quaternion typed by hand may differ
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
   return std::string(" ") + name + " of left and right differ (" + std::to_string(left) + ", " + std::to_string(right) +
          "): the pair is not rectified together;";
+}
+
+/// What a rectified pair's P holds beside fx, fy, cx, cy and the baseline.
+std::string faultsOf(const char* side, const sensor_msgs::CameraInfo& info) {
+  std::string faults;
+  if (std::all_of(info.P.begin(), info.P.end(), [](double p) { return p == 0.0; })) {
+    return std::string(" P of ") + side + " is all 0: the camera is not calibrated;";
+  }
+  for (const std::size_t i : {1u, 4u, 7u, 8u, 9u, 10u, 11u}) {
+    const double expected = i == 10 ? 1.0 : 0.0;
+    if (std::abs(info.P[i] - expected) <= kSamePx) continue;
+    faults += " P[" + std::to_string(i) + "] of " + side + " is " + std::to_string(info.P[i]) + ", must be " +
+              (i == 10  ? "1"
+               : i == 7 ? "0: the cameras must sit side by side"
+                        : "0") +
+              ";";
+  }
+  return faults;
 }
 
 /// REP 104: (0, 0, 0, 0) means the full image.
@@ -32,13 +54,32 @@ bool isFullImage(const sensor_msgs::CameraInfo& info) {
   return !offset && !cropped && info.binning_x <= 1 && info.binning_y <= 1;
 }
 
+/// cv_bridge takes big-endian images for wider ones of 8 bits.
+sensor_msgs::ImageConstPtr littleEndian(const sensor_msgs::ImageConstPtr& message) {
+  if (!message->is_bigendian) return message;
+  const auto swapped = boost::make_shared<sensor_msgs::Image>(*message);
+  for (std::size_t i = 1; i < swapped->data.size(); i += 2) std::swap(swapped->data[i - 1], swapped->data[i]);
+  swapped->is_bigendian = false;
+  return swapped;
+}
+
+/// Values of 10 or 12 bits in the low end of 16 would be darkness.
+void requireSixteenBits(const cv_bridge::CvImage& image) {
+  double brightest = 0.0;
+  cv::minMaxIdx(image.image.reshape(1), nullptr, &brightest);
+  if (brightest >= kLeastBrightest) return;
+  throw std::invalid_argument("its brightest pixel is " + std::to_string(static_cast<int>(brightest)) +
+                              " of 65535, below " + std::to_string(kLeastBrightest) +
+                              ": values of 10 or 12 bits? Shift them up, or send mono8");
+}
+
 }  // namespace
 
 flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& left,
                                                  const sensor_msgs::CameraInfo& right) {
   std::string faults = differ("fx", left.P[0], right.P[0]) + differ("fy", left.P[5], right.P[5]) +
                        differ("cy", left.P[6], right.P[6]) + differ("width", left.width, right.width) +
-                       differ("height", left.height, right.height);
+                       differ("height", left.height, right.height) + faultsOf("left", left) + faultsOf("right", right);
   if (!isFullImage(left) || !isFullImage(right)) faults += " binning or a region of interest is set: send full images;";
   if (!faults.empty()) throw std::invalid_argument("CameraInfo:" + faults);
   flight_corridor::StereoCalibration calibration;
@@ -57,9 +98,15 @@ flight_corridor::RangeReading toReading(const sensor_msgs::Range& message) {
 }
 
 cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) try {
+  namespace encodings = sensor_msgs::image_encodings;
+  if (encodings::bitDepth(message->encoding) == 16) {
+    const cv_bridge::CvImageConstPtr deep = cv_bridge::toCvShare(littleEndian(message));
+    requireSixteenBits(*deep);
+    return cv_bridge::cvtColor(deep, encodings::MONO8);
+  }
   // 8UC1 is grey without saying so; cv_bridge does not convert it.
-  const bool is_grey = message->encoding == sensor_msgs::image_encodings::TYPE_8UC1;
-  return cv_bridge::toCvShare(message, is_grey ? message->encoding : sensor_msgs::image_encodings::MONO8);
+  const bool is_grey = message->encoding == encodings::TYPE_8UC1;
+  return cv_bridge::toCvShare(message, is_grey ? message->encoding : encodings::MONO8);
 } catch (const std::exception& error) {
   throw std::invalid_argument("image of " + message->header.frame_id + ", encoding \"" + message->encoding +
                               "\", cannot be read as grey: " + error.what());
@@ -111,6 +158,7 @@ sensor_msgs::Range toRange(const ros::Time& stamp, const flight_corridor::RangeE
                            const flight_corridor::LidarConfig& config, const sensor_msgs::Range& lidar) {
   sensor_msgs::Range message = lidar;
   message.header.stamp = stamp;
+  message.header.frame_id = withoutSlash(lidar.header.frame_id);
   message.min_range = static_cast<float>(config.min_range_m);
   message.max_range = static_cast<float>(config.max_range_m);
   message.range = static_cast<float>(estimate.range_m);
@@ -146,13 +194,14 @@ sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flig
 }
 
 visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight_corridor::Box& box,
-                                    flight_corridor::State state) {
+                                    flight_corridor::State state, double lifetime_s) {
   const cv::Scalar bgr = flight_corridor::colour(state) / 255.0;
   visualization_msgs::Marker marker;
   marker.header = header;
   marker.ns = "corridor";
   marker.type = visualization_msgs::Marker::CUBE;
   marker.action = visualization_msgs::Marker::ADD;
+  marker.lifetime = ros::Duration(lifetime_s);
   marker.pose = tf2::toMsg(box.T_M_F * Eigen::Translation3d(box.size_m.x() / 2, 0.0, 0.0));
   tf2::toMsg(box.size_m, marker.scale);
   marker.color.b = static_cast<float>(bgr[0]);

@@ -19,8 +19,8 @@ namespace flight_corridor_ros {
 // Messages in.
 
 /// Numbers of a rectified pair: projection matrices P, baseline = (P_left[3] - P_right[3]) / fx.
-/// @throws std::invalid_argument naming what does not fit: sizes, fx, fy or cy that differ, binning, region of
-/// interest.
+/// @throws std::invalid_argument naming what does not fit: sizes, fx, fy or cy that differ, what else P holds, binning,
+/// region of interest.
 ///         Impossible numbers are StereoGeometry's to refuse.
 flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& left,
                                                  const sensor_msgs::CameraInfo& right);
@@ -28,7 +28,8 @@ flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& 
 flight_corridor::RangeReading toReading(const sensor_msgs::Range& message);
 
 /// The image as CV_8UC1; shared when it is grey already.
-/// @throws std::invalid_argument naming frame and encoding when the encoding is no image or the data is too short.
+/// @throws std::invalid_argument naming frame and encoding when the encoding is no image, the data is too short, or 16
+/// bits hold no more than 12.
 cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message);
 
 /// @throws std::invalid_argument unless the position is finite and the orientation a unit quaternion (to 1 %).
@@ -60,7 +61,8 @@ stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, con
 sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
 
 /// The corridor's box, coloured by state.
+/// @param lifetime_s after which it goes from the screen by itself.
 visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight_corridor::Box& box,
-                                    flight_corridor::State state);
+                                    flight_corridor::State state, double lifetime_s);
 
 }  // namespace flight_corridor_ros

@@ -49,9 +49,10 @@ void Diagnostics::describe(DiagnosticStatusWrapper& status) {
   status.add("scale [-]", report_.scale);
   status.add("scale sigma [-]", report_.scale_sigma);
   status.add("pairs refused", refused_);
-  status.add("LiDAR readings", counters_.lidar_readings);
+  status.add("LiDAR readings", counters_.lidar);
   status.add("LiDAR readings invalid", counters_.lidar_invalid);
   status.add("LiDAR readings gated", counters_.lidar_gated);
+  status.add("readings refused by stamp", counters_.refused);
   status.add("stereo ranges gated", counters_.stereo_gated);
   status.add("stereo [ms]", report_.times.stereo_ms);
   status.add("fusion [ms]", report_.times.fusion_ms);

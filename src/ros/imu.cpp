@@ -20,35 +20,31 @@ std::optional<Eigen::Vector3d> toAcceleration(const sensor_msgs::Imu& message, c
 }
 
 std::optional<Eigen::Vector3d> Accelerometer::read(const sensor_msgs::Imu& message, const std::string& camera_frame) {
-  mount(camera_frame, message.header.frame_id);
-  if (!R_C_I_) return std::nullopt;
+  const auto R_C_I = mounting(camera_frame, message.header.frame_id);
+  if (!R_C_I) return std::nullopt;
   const auto R_I_W = attitude(message.header);
   if (!R_I_W) return std::nullopt;
   const auto acceleration_I = toAcceleration(message, *R_I_W);
-  if (acceleration_I) return *R_C_I_ * *acceleration_I;
+  if (acceleration_I) return *R_C_I * *acceleration_I;
   if (warning_.due()) {
     ROS_WARN(
         "imu \"%s\" gives no acceleration (NaN, above %.0f m/s^2, or covariance -1), so it is not used: see that its "
         "driver fills in linear_acceleration",
-        imu_frame_.c_str(), kLargestForce_mps2);
+        message.header.frame_id.c_str(), kLargestForce_mps2);
   }
   return std::nullopt;
 }
 
-/// Looks up how the imu is turned against the camera, where that is not known yet.
-void Accelerometer::mount(const std::string& camera_frame, const std::string& imu_frame) {
-  if (camera_frame != camera_frame_ || imu_frame != imu_frame_) R_C_I_ = std::nullopt;
-  camera_frame_ = camera_frame;
-  imu_frame_ = imu_frame;
-  if (R_C_I_) return;
-  if (const auto T_C_I = transforms_.find(camera_frame, imu_frame, ros::Time(0))) {
-    R_C_I_ = T_C_I->linear();
-  } else if (warning_.due()) {
+/// How the imu is turned against the camera, R_C_I: what tf says now.
+std::optional<Eigen::Matrix3d> Accelerometer::mounting(const std::string& camera_frame, const std::string& imu_frame) {
+  if (const auto T_C_I = transforms_.find(camera_frame, imu_frame, ros::Time(0))) return T_C_I->linear();
+  if (warning_.due()) {
     ROS_WARN(
         "tf knows no pose of imu \"%s\" in \"%s\", so it is not used: publish it, e.g. with tf2_ros "
         "static_transform_publisher",
         imu_frame.c_str(), camera_frame.c_str());
   }
+  return std::nullopt;
 }
 
 /// R_I_W at a reading's stamp: never waits for it.

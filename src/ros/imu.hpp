@@ -31,13 +31,11 @@ class Accelerometer {
   std::optional<Eigen::Vector3d> read(const sensor_msgs::Imu& message, const std::string& camera_frame);
 
  private:
-  void mount(const std::string& camera_frame, const std::string& imu_frame);
+  std::optional<Eigen::Matrix3d> mounting(const std::string& camera_frame, const std::string& imu_frame);
   std::optional<Eigen::Matrix3d> attitude(const std_msgs::Header& header);
 
   std::string gravity_frame_;
   const Transforms& transforms_;
-  std::string camera_frame_, imu_frame_;
-  std::optional<Eigen::Matrix3d> R_C_I_;
   Throttle warning_;
 };
 

@@ -3,26 +3,24 @@
 #include <algorithm>
 #include <utility>
 
+#include "ros/transforms.hpp"
+
 namespace flight_corridor_ros {
 
-template <typename MessageConstPtr>
-void Inbox::Readings<MessageConstPtr>::put(const MessageConstPtr& reading) {
-  const bool time_was_set_back =
-      newest_ && reading->header.stamp.toSec() + kLongestDelay_s < newest_->header.stamp.toSec();
-  if (time_was_set_back) waiting_.clear();
-  if (waiting_.size() == capacity_) waiting_.pop_front();
-  waiting_.push_back(reading);
-  newest_ = reading;
+namespace {
+
+using flight_corridor::PendingReadings;
+
+constexpr std::size_t kMostFrames = 16;  // of sensors that share a topic; names that never end must not fill the memory
+
+double secondsOf(const ros::Time& stamp) { return stamp.isZero() ? flight_corridor::kNaN : stamp.toSec(); }
+
+template <typename Message>
+Inbox::Refused refusedOf(const PendingReadings<Message>& readings) {
+  return {readings.refused(), readings.refusedDifference()};
 }
 
-template <typename MessageConstPtr>
-std::vector<MessageConstPtr> Inbox::Readings<MessageConstPtr>::take(const ros::Time& until) {
-  const auto later = std::stable_partition(
-      waiting_.begin(), waiting_.end(), [&](const MessageConstPtr& reading) { return reading->header.stamp <= until; });
-  std::vector<MessageConstPtr> taken(waiting_.begin(), later);
-  waiting_.erase(waiting_.begin(), later);
-  return taken;
-}
+}  // namespace
 
 void Inbox::put(const StereoMessages& pair) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -32,12 +30,15 @@ void Inbox::put(const StereoMessages& pair) {
 
 void Inbox::put(const sensor_msgs::RangeConstPtr& range) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ranges_.put(range);
+  const std::string frame = withoutSlash(range->header.frame_id);
+  const bool is_new = std::find(range_frames_.begin(), range_frames_.end(), frame) == range_frames_.end();
+  if (is_new && range_frames_.size() < kMostFrames) range_frames_.push_back(frame);
+  ranges_.put(secondsOf(range->header.stamp), range);
 }
 
 void Inbox::put(const sensor_msgs::ImuConstPtr& imu) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  imu_.put(imu);
+  imu_.put(secondsOf(imu->header.stamp), imu);
 }
 
 void Inbox::put(Errand errand) {
@@ -61,19 +62,29 @@ std::optional<StereoMessages> Inbox::take() {
   }
 }
 
-std::vector<sensor_msgs::RangeConstPtr> Inbox::takeRanges(const ros::Time& until) {
+std::vector<sensor_msgs::RangeConstPtr> Inbox::takeRanges(const ros::Time& pair) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return ranges_.take(until);
+  return ranges_.take(pair.toSec());
 }
 
-std::vector<sensor_msgs::ImuConstPtr> Inbox::takeImu(const ros::Time& until) {
+std::vector<sensor_msgs::ImuConstPtr> Inbox::takeImu(const ros::Time& pair) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return imu_.take(until);
+  return imu_.take(pair.toSec());
 }
 
-sensor_msgs::RangeConstPtr Inbox::newestRange() const {
+std::vector<std::string> Inbox::rangeFrames() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return ranges_.newest();
+  return range_frames_;
+}
+
+Inbox::Refused Inbox::refusedRanges() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return refusedOf(ranges_);
+}
+
+Inbox::Refused Inbox::refusedImu() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return refusedOf(imu_);
 }
 
 void Inbox::close() {

@@ -81,9 +81,9 @@ void colourByHeight(visualization_msgs::MarkerArray& array, const Eigen::Isometr
   }
 }
 
-/// A leaf's square on the ground, in G.
-Eigen::AlignedBox2d footprint(const octomap::OcTree::leaf_iterator& leaf, const Eigen::Isometry3d& T_G_M) {
-  const Eigen::Vector2d centre = (T_G_M * centreOf(leaf)).head<2>();
+/// A leaf's square on the ground.
+Eigen::AlignedBox2d footprint(const octomap::OcTree::leaf_iterator& leaf) {
+  const Eigen::Vector2d centre = centreOf(leaf).head<2>();
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(leaf.getSize() / 2);
   return {centre - half, centre + half};
 }
@@ -147,24 +147,24 @@ sensor_msgs::PointCloud2 toCellCentres(const std_msgs::Header& header, const oct
   return message;
 }
 
-nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree,
-                                       const Eigen::Isometry3d& T_M_G) {
-  const Eigen::Isometry3d T_G_M = T_M_G.inverse();
+nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree) {
   nav_msgs::OccupancyGrid grid;
   grid.header = header;
   grid.info.map_load_time = header.stamp;
   grid.info.resolution = static_cast<float>(tree.getResolution());
   Eigen::AlignedBox2d area;
-  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) area.extend(footprint(leaf, T_G_M));
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) area.extend(footprint(leaf));
   if (area.isEmpty()) return grid;
 
   const Eigen::Array2d cells = (area.sizes() / tree.getResolution()).array().round();
   grid.info.width = static_cast<std::uint32_t>(cells.x());
   grid.info.height = static_cast<std::uint32_t>(cells.y());
-  grid.info.origin = tf2::toMsg(T_M_G * Eigen::Translation3d(area.min().x(), area.min().y(), 0.0));
+  grid.info.origin.position.x = area.min().x();
+  grid.info.origin.position.y = area.min().y();
+  grid.info.origin.orientation.w = 1.0;
   grid.data.assign(static_cast<std::size_t>(grid.info.width) * grid.info.height, kGridUnknown);
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
-    const Eigen::AlignedBox2d square = footprint(leaf, T_G_M);
+    const Eigen::AlignedBox2d square = footprint(leaf);
     const Eigen::Array2d first = ((square.min() - area.min()) / tree.getResolution()).array().round();
     const int count = static_cast<int>(std::lround(leaf.getSize() / tree.getResolution()));
     fill(grid, first.cast<int>().matrix(), count, tree.isNodeOccupied(*leaf) ? kGridOccupied : kGridFree);

@@ -32,8 +32,8 @@ visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const 
 /// Centres of the occupied cells.
 sensor_msgs::PointCloud2 toCellCentres(const std_msgs::Header& header, const octomap::OcTree& tree);
 
-/// Columns seen from above: 100 where any cell is occupied, else 0 where any is free, else -1.
-nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree,
-                                       const Eigen::Isometry3d& T_M_G);
+/// Columns seen from above: 100 where any cell is occupied, else 0 where any is free, else -1. Of a map whose z is up:
+/// who takes a grid takes it as level.
+nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree);
 
 }  // namespace flight_corridor_ros

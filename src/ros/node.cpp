@@ -12,6 +12,7 @@ namespace {
 using flight_corridor::Report;
 
 constexpr double kWatchdogPeriod_s = 0.1;
+constexpr std::uint32_t kReadingQueue = 2000;  // readings while callbacks wait: 2 s at 1 kHz
 
 /// Of a clock that nobody sets.
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
@@ -28,7 +29,6 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : config_(makeConfig(readParameters(private_node))),
       publishers_(private_node, config_.core),
       transforms_(node),
-      inbox_(config_.ros),
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
       answered_s_(steadySeconds()),
@@ -36,11 +36,9 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
                 [this](const ros::Time& stamp) { return silence() <= config_.ros.watchdog_s && isFresh(stamp); }),
       stereo_(node, config_.ros, [this](const StereoMessages& pair) { receive(pair); }),
       range_(ros::NodeHandle(node).subscribe<sensor_msgs::Range>(
-          "range", static_cast<std::uint32_t>(config_.ros.range_queue),
-          [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
+          "range", kReadingQueue, [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
       imu_(ros::NodeHandle(node).subscribe<sensor_msgs::Imu>(
-          "imu", static_cast<std::uint32_t>(config_.ros.imu_queue),
-          [this](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); })),
+          "imu", kReadingQueue, [this](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); })),
       watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
       worker_([this] { work(); }) {
   if (config_.core.fusion.acceleration_sigma_mps2 == 0.0) {
@@ -71,7 +69,7 @@ void Node::work() {
 }
 
 void Node::answer(const StereoMessages& pair) {
-  const std_msgs::Header& header = pair.left->header;
+  const std_msgs::Header& header = pair.header;
   {
     const std::lock_guard<std::mutex> lock(camera_frame_mutex_);
     camera_frame_ = header.frame_id;

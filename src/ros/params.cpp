@@ -3,6 +3,8 @@
 #include <map>
 #include <variant>
 
+#include "ros/transforms.hpp"
+
 namespace flight_corridor_ros {
 
 namespace {
@@ -96,14 +98,8 @@ Fields bind(flight_corridor::CorridorConfig& c) {
 }
 
 Fields bind(RosConfig& c) {
-  return {{"approximate_sync", &c.approximate_sync},
-          {"sync_slop_s", &c.sync_slop_s},
-          {"sync_queue", &c.sync_queue},
-          {"range_queue", &c.range_queue},
-          {"imu_queue", &c.imu_queue},
-          {"gravity_frame", &c.gravity_frame},
-          {"watchdog_s", &c.watchdog_s},
-          {"tf_timeout_s", &c.tf_timeout_s},
+  return {{"approximate_sync", &c.approximate_sync}, {"sync_slop_s", &c.sync_slop_s}, {"sync_queue", &c.sync_queue},
+          {"gravity_frame", &c.gravity_frame},       {"watchdog_s", &c.watchdog_s},   {"tf_timeout_s", &c.tf_timeout_s},
           {"image_transport", &c.image_transport}};
 }
 
@@ -168,8 +164,6 @@ Violations check(const RosConfig& config) {
   Rules rules("ros");
   rules.require(0.0 <= config.sync_slop_s && config.sync_slop_s <= 10.0, "sync_slop_s", "0 to 10", config.sync_slop_s);
   rules.require(config.sync_queue >= 1, "sync_queue", "1 or more", config.sync_queue);
-  rules.require(config.range_queue >= 1, "range_queue", "1 or more", config.range_queue);
-  rules.require(config.imu_queue >= 1, "imu_queue", "1 or more", config.imu_queue);
   rules.require(!config.gravity_frame.empty(), "gravity_frame", "a frame's name", config.gravity_frame);
   rules.require(config.watchdog_s > 0.0, "watchdog_s", "positive", config.watchdog_s);
   rules.require(0.0 <= config.tf_timeout_s && config.tf_timeout_s <= 10.0, "tf_timeout_s", "0 to 10",
@@ -192,6 +186,9 @@ NodeConfig makeConfig(const Values& values) {
     broken.insert(broken.end(), section.begin(), section.end());
   }
   flight_corridor::throwIfBroken(broken);
+  for (std::string* frame : {&config.core.map.frame_id, &config.core.corridor.frame_id, &config.ros.gravity_frame}) {
+    *frame = withoutSlash(*frame);
+  }
   return config;
 }
 

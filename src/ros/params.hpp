@@ -12,8 +12,6 @@ struct RosConfig {
   bool approximate_sync = false;        ///< Pair images whose stamps differ; false: equal stamps only.
   double sync_slop_s = 0.01;            ///< Largest difference within a pair when approximate_sync.
   int sync_queue = 10;                  ///< Images and CameraInfos that wait for their partners, per topic.
-  int range_queue = 200;                ///< LiDAR readings that wait for the next pair.
-  int imu_queue = 400;                  ///< Imu readings that wait for the next pair.
   std::string gravity_frame = "odom";   ///< Fixed frame, z up: the imu's attitude in it tells gravity.
   double watchdog_s = 0.5;              ///< Without a verdict for so long, UNKNOWN is published.
   double tf_timeout_s = 0.05;           ///< Wait for a pose at an image's stamp.

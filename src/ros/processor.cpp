@@ -2,7 +2,9 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "ros/conversions.hpp"
 
@@ -12,6 +14,8 @@ namespace {
 
 constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
+
+constexpr double kUseless_s = 1.0;  // a LiDAR without a useful reading for so long is worth a word
 
 }  // namespace
 
@@ -25,7 +29,7 @@ flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
 bool isRefusal(const flight_corridor::Report& report) { return (report.verdict.reasons & kRefused) != 0; }
 
 const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
-  const std_msgs::Header& header = pair.left->header;
+  const std_msgs::Header& header = pair.header;
   has_products_ = false;
   report_ = refusal(header.stamp, flight_corridor::kNoData);  // for questions, should a library throw
   if (header.stamp.isZero()) {
@@ -38,14 +42,14 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
     return report_;
   }
   newest_stamp_ = header.stamp;
-  const auto lidar = inbox_.newestRange();
-  if (const std::uint32_t reasons = rig_.fit(pair, lidar ? lidar->header.frame_id : "")) {
+  if (const std::uint32_t reasons = rig_.fit(pair, inbox_.rangeFrames())) {
     return report_ = refusal(header.stamp, reasons);
   }
   addReadings(header);
   left_ = readImage(pair.left);
   const auto right = readImage(pair.right);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
+  explain(pair, right->image);
   has_products_ = !isRefusal(report_);
   if (has_products_) map_header_ = headerOfMap(header);
   return report_;
@@ -71,24 +75,89 @@ std_msgs::Header Processor::headerOfMap(const std_msgs::Header& left) const {
 
 void Processor::forgetWhenTimeJumpsBack(const ros::Time& stamp) {
   const double back_s = newest_stamp_.toSec() - stamp.toSec();
-  if (back_s <= kLongestDelay_s) return;
+  if (back_s <= flight_corridor::kLongestDelay_s) return;
   if (rig_) ROS_INFO("time jumped back by %.3f s: starting anew", back_s);
   reset();
 }
 
-/// Readings up to an image. Accelerations first: ranges need them to be predicted.
+flight_corridor::Counters Processor::counters() {
+  flight_corridor::Counters counters;
+  if (rig_) counters = rig_->counters();
+  counters.refused += refused_ranges_ + refused_imu_;
+  return counters;
+}
+
+/// Readings up to an image.
 void Processor::addReadings(const std_msgs::Header& header) {
   for (const auto& imu : inbox_.takeImu(header.stamp)) {
     const auto acceleration_C = accelerometer_.read(*imu, header.frame_id);
     if (acceleration_C) rig_->addAcceleration(imu->header.stamp.toSec(), *acceleration_C);
   }
-  for (const auto& range : inbox_.takeRanges(header.stamp)) {
-    if (rig_.isLidar(range->header.frame_id)) {
-      lidar_ = range;
-      rig_->addRange(toReading(*range));
-    } else if (lidar_warning_.due()) {
-      ROS_WARN("ranges of \"%s\" are not used: they are not of the LiDAR's frame", range->header.frame_id.c_str());
+  for (const auto& range : inbox_.takeRanges(header.stamp)) addRange(range);
+  watchRefused("LiDAR", inbox_.refusedRanges(), refused_ranges_);
+  watchRefused("imu", inbox_.refusedImu(), refused_imu_);
+}
+
+void Processor::addRange(const sensor_msgs::RangeConstPtr& range) {
+  if (rig_.isLidar(range->header.frame_id)) {
+    lidar_ = range;
+    const flight_corridor::RangeReading reading = toReading(*range);
+    watchLidar(reading);
+    rig_->addRange(reading);
+  } else if (rig_.hasLidar() && lidar_warning_.due()) {
+    ROS_WARN("ranges of \"%s\" are not used: they are not of the LiDAR's frame", range->header.frame_id.c_str());
+  }
+}
+
+/// Says that readings were refused for their stamps.
+void Processor::watchRefused(const char* sensor, const Inbox::Refused& refused, std::uint64_t& known) {
+  if (refused.count > known && reading_warning_.due()) {
+    const std::string difference = std::isnan(refused.difference_s)
+                                       ? "without a stamp (0)"
+                                       : "stamped " + std::to_string(refused.difference_s) +
+                                             " s from the stereo pair, more than " +
+                                             std::to_string(flight_corridor::kLongestDelay_s) + " s";
+    ROS_WARN("%s readings are refused, %lu so far: the last one %s. Its driver must stamp with the cameras' clock",
+             sensor, static_cast<unsigned long>(refused.count), difference.c_str());
+  }
+  known = refused.count;
+}
+
+/// Says that for a while no reading was a range, nor "nothing in range".
+void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
+  const auto& limits = config_.core.lidar;
+  const bool is_useful = isRange(reading, limits) || reading.range_m == flight_corridor::kInfinity;
+  const bool begins = !(useful_range_s_ <= reading.stamp_s);
+  if (is_useful || begins) useful_range_s_ = reading.stamp_s;
+  if (reading.stamp_s - useful_range_s_ < kUseless_s || !range_warning_.due()) return;
+  ROS_WARN(
+      "every LiDAR reading of the last %.1f s is refused: the last one is %g m, its message allows %g to %g m, lidar/ "
+      "%g to %g m. See that its driver gives metres, min_range below max_range, and NaN only for errors",
+      reading.stamp_s - useful_range_s_, reading.range_m, reading.min_range_m, reading.max_range_m, limits.min_range_m,
+      limits.max_range_m);
+}
+
+/// Says why images that could be read are none to rely on.
+void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
+  const cv::Size size = rig_->geometry().size();
+  const bool is_empty = left_->image.empty() || right.empty();  // readImage() has spoken
+  if ((report_.verdict.reasons & flight_corridor::kBadImage) && !is_empty && image_warning_.due()) {
+    if (left_->image.size() != size || right.size() != size) {
+      ROS_ERROR(
+          "images are %dx%d and %dx%d px, CameraInfo says %dx%d: UNKNOWN. Send full images, or the CameraInfo of the "
+          "scaled ones",
+          left_->image.cols, left_->image.rows, right.cols, right.rows, size.width, size.height);
+    } else {
+      ROS_ERROR(
+          "left and right image are equal to the last bit: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
+          pair.left->header.frame_id.c_str(), pair.right->header.frame_id.c_str());
     }
+  }
+  if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
+    ROS_WARN(
+        "hardly a pixel is matched (below stereo/min_matched_fraction %g): UNKNOWN. Bare surfaces, exposure, a covered "
+        "lens, images that are not rectified together, or left and right exchanged",
+        config_.core.stereo.min_matched_fraction);
   }
 }
 

@@ -55,13 +55,17 @@ class Processor {
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
   /// The last pair's left image, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
-  /// Of the present pipeline; all 0 without one.
-  flight_corridor::Counters counters() { return rig_ ? rig_->counters() : flight_corridor::Counters(); }
+  /// Of the present pipeline, and of the readings that were refused before it; all 0 without one.
+  flight_corridor::Counters counters();
 
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);
   std_msgs::Header headerOfMap(const std_msgs::Header& left) const;
   void addReadings(const std_msgs::Header& header);
+  void addRange(const sensor_msgs::RangeConstPtr& range);
+  void watchRefused(const char* sensor, const Inbox::Refused& refused, std::uint64_t& known);
+  void watchLidar(const flight_corridor::RangeReading& reading);
+  void explain(const StereoMessages& pair, const cv::Mat& right);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
   cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message);
 
@@ -77,7 +81,10 @@ class Processor {
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
   bool has_products_ = false;
   ros::Time newest_stamp_;
-  Throttle stamp_warning_, lidar_warning_, image_warning_, pose_warning_;
+  std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
+  double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest range that says something
+  Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
+      pose_warning_;
 };
 
 }  // namespace flight_corridor_ros

@@ -2,6 +2,7 @@
 
 #include <nav_msgs/OccupancyGrid.h>
 #include <octomap_msgs/Octomap.h>
+#include <ros/console.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/image_encodings.h>
@@ -23,7 +24,8 @@ using flight_corridor::Report;
 Publishers::Publishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config)
     : map_frame_(config.map.frame_id),
       T_M_G_(map_frame_.empty() ? flight_corridor::opticalFromForward() : Eigen::Isometry3d::Identity()),
-      box_size_m_(flight_corridor::Corridor(config.corridor).box(Eigen::Isometry3d::Identity()).size_m) {
+      box_size_m_(flight_corridor::Corridor(config.corridor).box(Eigen::Isometry3d::Identity()).size_m),
+      marker_lifetime_s_(config.corridor.max_age_s) {
   ros::NodeHandle node(private_node);
   const auto advertise = [this, &node](const std::string& topic, auto message) {
     publishers_[topic] = node.advertise<decltype(message)>(topic, 1);
@@ -80,7 +82,8 @@ void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipelin
   publish("obstacles",
           [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
   publish("clearing", [&] {
-    return toClearing(header, report.clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
+    const bool clears = report.clears && pipeline.seesFromBlind();  // a ray clears from the camera on
+    return toClearing(header, clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
   });
 }
 
@@ -111,13 +114,19 @@ void Publishers::publishMap(const std_msgs::Header& left_header, const Pipeline&
   publish("occupied_cells_vis_array", [&] { return toMarkers(header, tree, Cells::Occupied, T_M_G_); });
   publish("free_cells_vis_array", [&] { return toMarkers(header, tree, Cells::Free, T_M_G_); });
   publish("octomap_point_cloud_centers", [&] { return toCellCentres(header, tree); });
-  publish("projected_map", [&] { return toProjectedMap(header, tree, T_M_G_); });
-  publish("corridor_marker", [&] { return toMarker(header, pipeline.box(), report.verdict.state); });
+  publish("corridor_marker",
+          [&] { return toMarker(header, pipeline.box(), report.verdict.state, marker_lifetime_s_); });
+  if (!map_frame_.empty()) {
+    publish("projected_map", [&] { return toProjectedMap(header, tree); });
+  } else if (publishers_.at("projected_map").getNumSubscribers() > 0 && projection_warning_.due()) {
+    ROS_WARN(
+        "projected_map needs a level frame: set map/frame_id (now \"\") to a fixed one, z up. It is not published");
+  }
 }
 
 void Publishers::removeBox(const std_msgs::Header& header) {
   publish("corridor_marker", [&] {
-    visualization_msgs::Marker marker = toMarker(header, {}, flight_corridor::State::Unknown);
+    visualization_msgs::Marker marker = toMarker(header, {}, flight_corridor::State::Unknown, marker_lifetime_s_);
     marker.action = visualization_msgs::Marker::DELETE;
     return marker;
   });

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "flight_corridor/pipeline.hpp"
+#include "ros/heartbeat.hpp"
 
 namespace flight_corridor_ros {
 
@@ -43,6 +44,8 @@ class Publishers {
   std::string map_frame_;
   Eigen::Isometry3d T_M_G_;  // z up in the map's frame
   Eigen::Vector3d box_size_m_;
+  double marker_lifetime_s_;
+  Throttle projection_warning_;
   std::map<std::string, ros::Publisher> publishers_;
   cv::Mat overlay_;
 };

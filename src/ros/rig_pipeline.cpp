@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -18,6 +19,7 @@ using flight_corridor::StereoGeometry;
 
 /// Less than any match tells: a calibration that is computed anew for each image jitters in its last bits.
 constexpr double kSame_px = 1e-3, kSame_m = 1e-6;
+constexpr double kSameMounting = 1e-9;  // relative: rounding of tf
 
 bool same(const StereoCalibration& a, const StereoCalibration& b) {
   const auto differ = [&](double StereoCalibration::*value) { return std::abs(a.*value - b.*value); };
@@ -29,37 +31,43 @@ bool same(const StereoCalibration& a, const StereoCalibration& b) {
 
 }  // namespace
 
-std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::string& lidar_frame) try {
-  const StereoCalibration calibration = toCalibration(*pair.left_info, *pair.right_info);
-  rig_changed_ |= mountLidar(pair.left->header.frame_id, lidar_frame);
-  const auto T_C_F = forward(pair.left->header);
+std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::vector<std::string>& range_frames) try {
+  const StereoGeometry geometry(toCalibration(*pair.left_info, *pair.right_info));
+  const std::string& camera_frame = pair.header.frame_id;
+  findLidar(geometry, camera_frame, range_frames);
+  const auto T_C_F = forward(pair.header);
   if (!T_C_F) return flight_corridor::kNoPose;
-  if (is_fit_ && !rig_changed_ && same(calibration, pipeline_->geometry().calibration())) {
-    pipeline_->pointAlong(*T_C_F);
-    return 0;
-  }
-  auto pipeline =
-      std::make_unique<Pipeline>(config_, StereoGeometry(calibration), flight_corridor::Rig{T_C_L_, *T_C_F});
-  if (pipeline_) pipeline->takeOver(*pipeline_);
-  pipeline_ = std::move(pipeline);
-  is_fit_ = true;
-  rig_changed_ = false;
-  ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, %s", calibration.size_px.width, calibration.size_px.height,
-           calibration.fx_px, calibration.baseline_m, T_C_L_ ? ("LiDAR " + lidar_frame_).c_str() : "no LiDAR");
-  if (const double nearest_m = pipeline_->nearestDepth(); nearest_m > config_.corridor.blind_m) {
-    ROS_WARN(
-        "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): an obstacle between the two is "
-        "not seen, the corridor may be FREE. A larger stereo/num_disparities_px sees nearer",
-        nearest_m, config_.corridor.blind_m);
-  }
+  const bool is_same =
+      is_fit_ && camera_frame == camera_frame_ && same(geometry.calibration(), pipeline_->geometry().calibration());
+  if (!is_same) make(geometry, *T_C_F);
+  camera_frame_ = camera_frame;
+  if (std::exchange(lidar_moved_, false)) pipeline_->mountLidar(T_C_L_);
+  pipeline_->pointAlong(*T_C_F);
   return 0;
 } catch (const std::invalid_argument& error) {
   if (warning_.due()) {
-    ROS_ERROR("no verdict from camera \"%s\" with LiDAR \"%s\": %s", pair.left->header.frame_id.c_str(),
-              lidar_frame.c_str(), error.what());
+    ROS_ERROR("no verdict from camera \"%s\": %s", pair.header.frame_id.c_str(), error.what());
   }
   is_fit_ = false;
   return flight_corridor::kBadCalibration;
+}
+
+void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_F) {
+  auto pipeline = std::make_unique<Pipeline>(config_, geometry, flight_corridor::Rig{T_C_L_, T_C_F});
+  if (pipeline_) pipeline->takeOver(*pipeline_);
+  pipeline_ = std::move(pipeline);
+  is_fit_ = true;
+  const StereoCalibration& calibration = geometry.calibration();
+  ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m", calibration.size_px.width, calibration.size_px.height,
+           calibration.fx_px, calibration.baseline_m);
+  if (!pipeline_->seesFromBlind()) {
+    ROS_WARN(
+        "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): what lies between is unobserved, "
+        "which counts against FREE. Search a larger stereo/num_disparities_px (%d), or, where nothing comes so near, "
+        "set "
+        "corridor/blind_m",
+        pipeline_->nearestDepth(), config_.corridor.blind_m, config_.stereo.num_disparities_px);
+  }
 }
 
 void RigPipeline::reset() {
@@ -70,21 +78,41 @@ void RigPipeline::reset() {
   is_fit_ = false;
 }
 
-/// Looks up the LiDAR's fixed pose until it is known. Other range sensors on the topic are none of the rig's.
-/// @return whether the rig is another one now.
-bool RigPipeline::mountLidar(const std::string& camera_frame, const std::string& lidar_frame) {
-  const bool other_camera = camera_frame != camera_frame_;
-  if (T_C_L_ && !other_camera) return false;
-  camera_frame_ = camera_frame;
-  lidar_frame_ = lidar_frame;
-  T_C_L_ = lidar_frame.empty() ? std::nullopt : transforms_.find(camera_frame, lidar_frame, ros::Time(0));
-  if (!T_C_L_ && !lidar_frame.empty() && lidar_warning_.due()) {
-    ROS_WARN(
-        "tf knows no pose of \"%s\" in \"%s\", so LiDAR readings are not used: publish it, e.g. with tf2_ros "
-        "static_transform_publisher",
-        lidar_frame.c_str(), camera_frame.c_str());
+/// The one that is known already first: another does not take its place while its mounting is good.
+void RigPipeline::findLidar(const StereoGeometry& geometry, const std::string& camera_frame,
+                            std::vector<std::string> range_frames) {
+  if (hasLidar()) range_frames.insert(range_frames.begin(), lidar_frame_);
+  const bool is_found = std::any_of(range_frames.begin(), range_frames.end(), [&](const std::string& range_frame) {
+    return isLidarAt(geometry, camera_frame, range_frame);
+  });
+  if (is_found || !hasLidar()) return;
+  T_C_L_.reset();
+  lidar_moved_ = true;
+}
+
+/// Whether a range sensor is the rig's LiDAR; then remembers where it sits.
+bool RigPipeline::isLidarAt(const StereoGeometry& geometry, const std::string& camera_frame,
+                            const std::string& range_frame) {
+  const auto T_C_L = transforms_.find(camera_frame, range_frame, ros::Time(0));
+  const bool is_lidar = T_C_L && flight_corridor::BeamFootprint::endsInView(config_.lidar, geometry, *T_C_L);
+  if (!is_lidar) {
+    const char* fault = range_frame.empty() ? "they name no frame (header.frame_id), so tf cannot tell where it is in"
+                        : T_C_L             ? "the beam ends out of view of camera"
+                                            : "tf knows no pose of it in";
+    if (lidar_warning_.due()) {
+      ROS_WARN(
+          "ranges of \"%s\" are not used: %s \"%s\"; publish its mounting (beam along +x), e.g. with tf2_ros "
+          "static_transform_publisher",
+          range_frame.c_str(), fault, camera_frame.c_str());
+    }
+    return false;
   }
-  return other_camera || T_C_L_;
+  const bool is_known = T_C_L_ && range_frame == lidar_frame_ && T_C_L->isApprox(*T_C_L_, kSameMounting);
+  if (!is_known) ROS_INFO("LiDAR \"%s\"", range_frame.c_str());
+  lidar_moved_ |= !is_known;
+  if (!is_known) T_C_L_ = T_C_L;
+  lidar_frame_ = range_frame;
+  return true;
 }
 
 /// Where the corridor points at a pair's stamp, T_C_F: its frame may turn against the camera.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flight_corridor/pipeline.hpp"
 #include "ros/heartbeat.hpp"
@@ -11,21 +12,21 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline for the rig that CameraInfo and tf describe, made anew when the cameras change or the LiDAR is found.
-/// One thread.
+/// The pipeline for the rig that CameraInfo and tf describe, made anew when the cameras change. One thread.
 class RigPipeline {
  public:
   /// @param tf_timeout_s waits so long for the corridor's frame.
   RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s)
       : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
 
-  /// Makes the pipeline fit a stereo pair and, until one is found in tf, a LiDAR's frame ("": no LiDAR yet).
+  /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam
+  /// ends in the camera's view; where it sits is what tf says now.
+  /// @param range_frames of the range sensors, without a leading slash.
   /// @return why there is no pipeline: 0, kBadCalibration or kNoPose.
-  std::uint32_t fit(const StereoMessages& pair, const std::string& lidar_frame);
+  std::uint32_t fit(const StereoMessages& pair, const std::vector<std::string>& range_frames);
 
   /// Whether readings of this frame are the LiDAR's.
-  bool isLidar(const std::string& frame) const { return frame == lidar_frame_; }
-  /// Whether tf knows where it sits.
+  bool isLidar(const std::string& frame) const { return hasLidar() && withoutSlash(frame) == lidar_frame_; }
   bool hasLidar() const { return T_C_L_.has_value(); }
 
   /// Valid after fit() returned 0.
@@ -37,7 +38,11 @@ class RigPipeline {
   void reset();
 
  private:
-  bool mountLidar(const std::string& camera_frame, const std::string& lidar_frame);
+  void findLidar(const flight_corridor::StereoGeometry& geometry, const std::string& camera_frame,
+                 std::vector<std::string> range_frames);
+  bool isLidarAt(const flight_corridor::StereoGeometry& geometry, const std::string& camera_frame,
+                 const std::string& range_frame);
+  void make(const flight_corridor::StereoGeometry& geometry, const Eigen::Isometry3d& T_C_F);
   std::optional<Eigen::Isometry3d> forward(const std_msgs::Header& camera);
 
   flight_corridor::Config config_;
@@ -45,7 +50,7 @@ class RigPipeline {
   double tf_timeout_s_;
   std::string camera_frame_, lidar_frame_;
   std::optional<Eigen::Isometry3d> T_C_L_;
-  bool rig_changed_ = false;  // since pipeline_ was made
+  bool lidar_moved_ = false;  // since the pipeline was told where it sits
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
   bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
   Throttle warning_, lidar_warning_;

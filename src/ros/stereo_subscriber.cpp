@@ -2,7 +2,16 @@
 
 #include <utility>
 
+#include "ros/transforms.hpp"
+
 namespace flight_corridor_ros {
+
+StereoMessages::StereoMessages(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
+                               const sensor_msgs::ImageConstPtr& right,
+                               const sensor_msgs::CameraInfoConstPtr& right_info)
+    : left(left), left_info(left_info), right(right), right_info(right_info), header(left->header) {
+  header.frame_id = withoutSlash(header.frame_id);
+}
 
 StereoSubscriber::StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
                                    std::function<void(const StereoMessages&)> callback)

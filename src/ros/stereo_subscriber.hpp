@@ -8,6 +8,7 @@
 #include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <std_msgs/Header.h>
 
 #include <functional>
 #include <optional>
@@ -19,10 +20,15 @@ namespace flight_corridor_ros {
 
 /// One stereo pair as it came.
 struct StereoMessages {
+  StereoMessages() = default;
+  StereoMessages(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
+                 const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info);
+
   sensor_msgs::ImageConstPtr left;
   sensor_msgs::CameraInfoConstPtr left_info;
   sensor_msgs::ImageConstPtr right;
   sensor_msgs::CameraInfoConstPtr right_info;
+  std_msgs::Header header;  ///< The left image's, its frame without a leading slash: that of all that comes out.
 };
 
 /// Stereo pairs of left/ and right/ image_rect and camera_info, by equal or similar stamps. Survives looping bags.

@@ -2,14 +2,10 @@
 
 namespace flight_corridor_ros {
 
-namespace {
-
-/// tf's first generation began frame names with a slash, and old bags still do; tf2 refuses it.
 std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+  const std::size_t first = frame.find_first_not_of('/');
+  return first == std::string::npos ? "" : frame.substr(first);
 }
-
-}  // namespace
 
 std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::string source, const ros::Time& stamp,
                                                   double timeout_s) const {

@@ -11,6 +11,10 @@
 
 namespace flight_corridor_ros {
 
+/// A frame's name as tf2 and all who use it take it: tf's first generation began names with a slash, and drivers and
+/// old bags still do.
+std::string withoutSlash(const std::string& frame);
+
 /// Poses from tf.
 class Transforms {
  public:

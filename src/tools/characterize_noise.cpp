@@ -6,7 +6,7 @@
 #include "tools/command_line.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
-#include "tools/stereo_bag.hpp"
+#include "tools/stereo_bag_reader.hpp"
 
 namespace flight_corridor::tools {
 namespace {

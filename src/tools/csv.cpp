@@ -46,6 +46,15 @@ std::vector<std::string> split(const std::string& line) {
   return cells;
 }
 
+/// What some spreadsheets write before a file's first character.
+std::string withoutByteOrderMark(const std::string& line) {
+  const std::string mark = "\xEF\xBB\xBF";
+  return line.compare(0, mark.size(), mark) == 0 ? line.substr(mark.size()) : line;
+}
+
+/// What Windows writes at the end of a line.
+std::string withoutReturn(const std::string& line) { return line.substr(0, line.find('\r')); }
+
 std::string formatNumber(double value, int decimals) {
   if (std::isnan(value)) return "nan";  // printf may write "-nan"
   std::array<char, 64> text;
@@ -81,6 +90,14 @@ bool isDigits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+/// The unit of a present-day stamp that is not in seconds, by its digits before the point; "" where it may be.
+std::string unitOf(const std::string& stamp) {
+  const std::string whole = stamp.substr(0, stamp.find('.'));
+  if (!isDigits(whole) || whole.size() < 12) return "";
+  if (whole.size() < 15) return "milliseconds";
+  return whole.size() < 18 ? "microseconds" : "nanoseconds";
+}
+
 }  // namespace
 
 std::string formatStamp(const ros::Time& stamp) {
@@ -90,6 +107,8 @@ std::string formatStamp(const ros::Time& stamp) {
 }
 
 ros::Time parseStamp(const std::string& text) {
+  const std::string unit = unitOf(text);
+  if (!unit.empty()) throw std::invalid_argument("'" + text + "' is in " + unit + "; wanted are seconds, sec.nanosec");
   const std::size_t point = text.find('.');
   const std::string seconds = text.substr(0, point);
   std::string decimals = point == std::string::npos ? "0" : text.substr(point + 1);
@@ -98,8 +117,10 @@ ros::Time parseStamp(const std::string& text) {
   }
   decimals.resize(9, '0');
   const unsigned long long sec = std::stoull(seconds);
-  if (sec > std::numeric_limits<std::uint32_t>::max())
-    throw std::invalid_argument("'" + text + "' is beyond ros::Time");
+  if (sec > std::numeric_limits<std::uint32_t>::max()) {
+    throw std::invalid_argument("'" + text + "' is beyond ros::Time; wanted are seconds up to " +
+                                std::to_string(std::numeric_limits<std::uint32_t>::max()));
+  }
   return {static_cast<std::uint32_t>(sec), static_cast<std::uint32_t>(std::stoul(decimals))};
 }
 
@@ -107,11 +128,20 @@ CsvTable::CsvTable(const std::string& path) : path_(path) {
   std::ifstream file(path);
   if (!file) throw std::runtime_error(path + ": cannot be read");
   std::string line;
+  std::string comment;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
-    if (line.empty() || line.front() == '#') continue;
+    if (number == 1) line = withoutByteOrderMark(line);
+    if (line.empty() || line == "\r") continue;
+    if (line.front() == '#') {
+      comment = line;
+      continue;
+    }
     std::vector<std::string> cells = split(line);
     if (header_.empty()) {
       header_ = std::move(cells);
+      header_origin_ = "line " + std::to_string(number) + ", the header, is '" + withoutReturn(line) + "'";
+      if (!comment.empty())
+        header_origin_ += "; '" + withoutReturn(comment) + "' above it is a comment, as it begins with #";
     } else if (cells.size() == header_.size()) {
       rows_.push_back(std::move(cells));
       lines_.push_back(number);
@@ -123,10 +153,17 @@ CsvTable::CsvTable(const std::string& path) : path_(path) {
   if (header_.empty()) throw std::runtime_error(path + ": no header line");
 }
 
+bool CsvTable::has(const std::string& column) const {
+  return std::find(header_.begin(), header_.end(), column) != header_.end();
+}
+
+std::string CsvTable::missing(const std::string& column) const {
+  return path_ + ": no column '" + column + "'; " + header_origin_;
+}
+
 std::size_t CsvTable::index(const std::string& column) const {
-  const auto found = std::find(header_.begin(), header_.end(), column);
-  if (found == header_.end()) throw std::runtime_error(path_ + ": no column '" + column + "'");
-  return static_cast<std::size_t>(found - header_.begin());
+  if (!has(column)) throw std::runtime_error(missing(column));
+  return static_cast<std::size_t>(std::find(header_.begin(), header_.end(), column) - header_.begin());
 }
 
 const std::string& CsvTable::text(std::size_t row, const std::string& column) const {
@@ -150,6 +187,7 @@ ros::Time CsvTable::stamp(std::size_t row, const std::string& column) const {
 }
 
 std::vector<ros::Time> CsvTable::stamps(const std::string& column) const {
+  if (!has(column)) throw std::runtime_error(missing(column) + ". Wanted is a header with it, and stamps in seconds");
   std::vector<ros::Time> stamps;
   for (std::size_t i = 0; i < size(); ++i) {
     const ros::Time now = stamp(i, column);

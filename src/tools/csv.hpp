@@ -11,7 +11,7 @@ namespace flight_corridor::tools {
 
 /// Seconds with all nine decimals, e.g. "1403715273.262142976": a double cannot hold them.
 std::string formatStamp(const ros::Time& stamp);
-/// @throws std::invalid_argument unless the text is a stamp that ros::Time holds.
+/// @throws std::invalid_argument unless the text is a stamp that ros::Time holds; names the unit when it is another.
 ros::Time parseStamp(const std::string& text);
 
 /// A text table with a header line: the cells by column name, and errors that say where.
@@ -23,7 +23,7 @@ class CsvTable {
   explicit CsvTable(const std::string& path);
 
   std::size_t size() const { return rows_.size(); }
-  /// @throws std::runtime_error naming file and column when there is no such column.
+  /// @throws std::runtime_error naming file and column when there is no such column, with the header that is there.
   const std::string& text(std::size_t row, const std::string& column) const;
   /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value when it is none.
   double number(std::size_t row, const std::string& column) const;
@@ -33,11 +33,14 @@ class CsvTable {
   [[noreturn]] void fail(std::size_t row, const std::string& column, const std::string& what) const;
 
  private:
+  bool has(const std::string& column) const;
+  std::string missing(const std::string& column) const;
   std::size_t index(const std::string& column) const;
   ros::Time stamp(std::size_t row, const std::string& column) const;
 
   std::string path_;
   std::vector<std::string> header_;
+  std::string header_origin_;  // for errors
   std::vector<std::vector<std::string>> rows_;
   std::vector<std::size_t> lines_;  // line in the file of each row
 };

@@ -1,23 +1,23 @@
 #include "tools/folder.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "flight_corridor/corridor.hpp"
+#include "tools/calibration_file.hpp"
 #include "tools/csv.hpp"
 
 namespace flight_corridor::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kLongestPeriod_s = 10.0;  // of a recording that anybody flies by
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(path.string() + ": " + what);
@@ -59,32 +59,13 @@ std::vector<ImagePair> listPairs(const fs::path& folder) {
   return pairs;
 }
 
-double calibrationNumber(const YAML::Node& yaml, const std::string& key) {
-  if (!yaml[key]) throw std::runtime_error("key '" + key + "' is missing");
-  try {
-    return yaml[key].as<double>();
-  } catch (const YAML::Exception&) {
-    throw std::runtime_error("key '" + key + "' is no number");
-  }
-}
-
-StereoCalibration readCalibration(const fs::path& path, cv::Size size) {
-  try {
-    const YAML::Node yaml = YAML::LoadFile(path.string());
-    StereoCalibration calibration;
-    calibration.size_px = size;
-    calibration.fx_px = calibrationNumber(yaml, "fx");
-    calibration.fy_px = calibrationNumber(yaml, "fy");
-    calibration.cx_px = calibrationNumber(yaml, "cx");
-    calibration.cy_px = calibrationNumber(yaml, "cy");
-    calibration.cx_right_px = calibration.cx_px + calibrationNumber(yaml, "doffs");
-    calibration.baseline_m = calibrationNumber(yaml, "baseline");
-    return StereoGeometry(calibration).calibration();  // refuses impossible numbers
-  } catch (const YAML::BadFile&) {
-    fail(path, "cannot be read");
-  } catch (const std::exception& error) {
-    fail(path, error.what());
-  }
+/// Stamps in a smaller unit, counted from the recording's start, look like seconds that are far apart.
+void requireSeconds(const std::vector<ros::Time>& stamps, const fs::path& path) {
+  if (stamps.size() < 2) return;
+  const double period_s = (stamps.back() - stamps.front()).toSec() / static_cast<double>(stamps.size() - 1);
+  if (period_s <= kLongestPeriod_s) return;
+  fail(path, "column 'stamp_s': the pairs are " + std::to_string(period_s) + " s apart, more than " +
+                 std::to_string(kLongestPeriod_s) + " s: are these milliseconds, microseconds or nanoseconds? Divide");
 }
 
 std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_hz) {
@@ -96,10 +77,11 @@ std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_h
     return stamped;
   }
   const CsvTable table(path.string());
-  if (table.size() != pairs.size()) {
-    fail(path, std::to_string(table.size()) + " stamps, but left/ holds " + std::to_string(pairs.size()) + " images");
-  }
   const std::vector<ros::Time> stamps = table.stamps("stamp_s");
+  if (stamps.size() != pairs.size()) {
+    fail(path, std::to_string(stamps.size()) + " stamps, but left/ holds " + std::to_string(pairs.size()) + " images");
+  }
+  requireSeconds(stamps, path);
   for (std::size_t i = 0; i < pairs.size(); ++i) stamped.push_back({stamps[i], pairs[i]});
   return stamped;
 }
@@ -155,7 +137,7 @@ FolderRecording readFolder(const std::string& folder, double rate_hz) {
   FolderRecording recording;
   recording.pairs = stampPairs(path, rate_hz);
   const cv::Size size = readImage(recording.pairs.front().value.left).size();
-  recording.rig.calibration = readCalibration(path / "calib.yaml", size);
+  recording.rig.calibration = readCalibration((path / "calib.yaml").string(), size);
   recording.rig.T_B_C = opticalFromForward().inverse();
   recording.ranges_m = readRanges(path / "range.csv");
   recording.poses_W_B = readPoses(path / "poses.csv", opticalFromForward());

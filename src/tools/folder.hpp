@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/stereo_bag.hpp"
+#include "tools/stereo_bag_writer.hpp"
 
 namespace flight_corridor::tools {
 

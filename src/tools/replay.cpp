@@ -16,11 +16,13 @@
 #include "ros/memory.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/lost_pairs.hpp"
 #include "tools/map_file.hpp"
 #include "tools/new_bag.hpp"
 #include "tools/pictures.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
+#include "tools/stereo_bag_reader.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -64,9 +66,8 @@ class VerdictBag {
       : bag_(path), box_size_m_(Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m) {}
 
   void add(const Answer& answer) {
-    const std_msgs::Header& header = answer.messages.left->header;
-    bag_.write(kVerdictTopic, header.stamp,
-               flight_corridor_ros::toMessage(header, answer.report, box_size_m_, kNaN));  // no clock, no latency
+    const auto verdict = flight_corridor_ros::toMessage(answer.messages.header, answer.report, box_size_m_, kNaN);
+    bag_.write(kVerdictTopic, answer.messages.recorded, verdict);  // without a clock, without a latency
   }
   void close() { bag_.finish(); }
 
@@ -109,13 +110,11 @@ void printTimes(const std::vector<ResultRow>& rows) {
   std::printf("\n");
 }
 
-void requirePairs(const std::vector<ResultRow>& rows, const StereoBagReader& bag, const std::string& path) {
-  if (rows.size() == bag.leftImages()) return;
-  const std::string found = std::to_string(rows.size()) + " of " + std::to_string(bag.leftImages()) +
-                            " left images found their right image and both CameraInfos";
-  if (rows.empty())
-    throw std::runtime_error(path + ": " + found + "; if stamps differ: --set ros/approximate_sync=true");
-  std::cerr << "replay: " << path << ": only " << found << "\n";
+/// @throws std::runtime_error when there is no pair at all.
+void requirePairs(const std::string& path, std::size_t pairs, const std::string& lost) {
+  if (lost.empty()) return;
+  if (pairs == 0) throw std::runtime_error(path + ": " + lost);
+  std::cerr << "replay: " << path << ": only " << lost << "\n";
 }
 
 /// The image in colour where it has colour.
@@ -159,8 +158,8 @@ int replay(const CommandLine& options) {
   std::vector<ResultRow> rows;
   std::vector<Change> changes;
   Progress progress("replay", bag.leftImages());
-  replayer.run([&](const Answer& answer) {
-    const ResultRow row = resultRow(answer.messages.left->header.stamp, answer.report);
+  const PairStamps heard = replayer.run([&](const Answer& answer) {
+    const ResultRow row = resultRow(answer.messages.header.stamp, answer.report);
     if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
     if (answer.pipeline)
       pictures.add(rows.size(), picture(answer.messages.left)->image, *answer.pipeline, answer.report);
@@ -168,7 +167,7 @@ int replay(const CommandLine& options) {
     rows.push_back(row);
     progress.advance();
   });
-  requirePairs(rows, bag, path);
+  requirePairs(path, rows.size(), describeLostPairs(rows.size(), heard, config.ros));
   writeResults(options.text("csv"), rows);
   saveMap();
   if (verdicts) verdicts->close();

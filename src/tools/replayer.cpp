@@ -2,6 +2,8 @@
 
 #include <ros/console.h>
 
+#include <cmath>
+
 #include "ros/values.hpp"
 
 namespace flight_corridor::tools {
@@ -9,7 +11,7 @@ namespace {
 
 namespace shell = flight_corridor_ros;
 
-/// A recording's poses are all there from the start: nothing to wait for.
+/// The reader hands out poses early instead.
 shell::NodeConfig withoutWaiting(shell::NodeConfig config) {
   config.ros.tf_timeout_s = 0.0;
   return config;
@@ -46,17 +48,43 @@ StereoTopics topicsFrom(const CommandLine& options) {
 }
 
 Replayer::Replayer(const StereoBagReader& bag, const shell::NodeConfig& config)
-    : bag_(bag), config_(withoutWaiting(config)), inbox_(config.ros), processor_(config_, bag.transforms(), inbox_) {
+    : bag_(bag), config_(config), processor_(withoutWaiting(config), transforms_, inbox_) {
   showWarningsOnly();
 }
 
-void Replayer::run(const std::function<void(const Answer& answer)>& on_answer) {
-  bag_.play(config_.ros, {[&](const StereoMessages& pair) {
-                            const Report& report = processor_.process(pair);
-                            on_answer({pair, report, processor_.products()});
-                          },
-                          [&](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); },
-                          [&](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); }});
+PairStamps Replayer::run(const std::function<void(const Answer& answer)>& on_answer) {
+  StereoBagReader::Listener listener;
+  listener.on_pair = [&](const RecordedPair& pair) {
+    if (isFresh(pair)) {
+      const Report& report = processor_.process(pair);
+      on_answer({pair, report, processor_.products()});
+    } else {
+      on_answer({pair, shell::refusal(pair.header.stamp, kNoData), nullptr});
+    }
+  };
+  listener.on_range = [&](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); };
+  listener.on_imu = [&](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); };
+  listener.on_transform = [&](const geometry_msgs::TransformStamped& transform, bool is_static) {
+    transforms_.add(transform, is_static);
+  };
+  return bag_.play(config_.ros, listener);
+}
+
+/// As the node, of which the clock is the time of recording when the bag is played with --clock.
+bool Replayer::isFresh(const RecordedPair& pair) {
+  const double age_s = pair.recorded.toSec() - pair.header.stamp.toSec();
+  const double max_age_s = config_.core.corridor.max_age_s;
+  const bool has_stamp = !pair.header.stamp.isZero();  // or the processor says that it has none
+  if (!has_stamp || std::abs(age_s) <= max_age_s) return true;
+  if (age_warning_.due()) {
+    ROS_WARN(
+        "stereo pair of %.3f was recorded %.3f s %s its stamp, more than %.3f s (corridor/max_age_s): UNKNOWN, the "
+        "node "
+        "would refuse it as well. Synchronise the cameras' clock with the recorder's; a bag that was converted must "
+        "keep the times of recording, or take the stamps for them",
+        pair.header.stamp.toSec(), std::abs(age_s), age_s < 0.0 ? "before" : "after", max_age_s);
+  }
+  return false;
 }
 
 }  // namespace flight_corridor::tools

@@ -4,11 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "ros/heartbeat.hpp"
 #include "ros/inbox.hpp"
 #include "ros/params.hpp"
 #include "ros/processor.hpp"
+#include "ros/transforms.hpp"
 #include "tools/command_line.hpp"
-#include "tools/stereo_bag.hpp"
+#include "tools/stereo_bag_reader.hpp"
 
 namespace flight_corridor::tools {
 
@@ -22,7 +24,7 @@ StereoTopics topicsFrom(const CommandLine& options);
 
 /// What became of one pair.
 struct Answer {
-  const StereoMessages& messages;
+  const RecordedPair& messages;
   const Report& report;
   Pipeline* pipeline;  ///< Holds the pair's products; null when the pair was refused and has none.
 };
@@ -32,17 +34,23 @@ class Replayer {
  public:
   Replayer(const StereoBagReader& bag, const flight_corridor_ros::NodeConfig& config);
 
-  /// Processes the whole bag, in the order of recording.
-  void run(const std::function<void(const Answer& answer)>& on_answer);
+  /// Processes the whole bag, in the order of recording. The time at which a message was recorded stands for the
+  /// node's clock: what is too old for the node by then is refused, and a pose that comes too late is missing.
+  /// @return the stamps of what was there to make pairs of.
+  PairStamps run(const std::function<void(const Answer& answer)>& on_answer);
 
   /// What the newest pair left of the map; empty when none entered it.
   const octomap::OcTree& map() { return processor_.map(); }
 
  private:
+  bool isFresh(const RecordedPair& pair);
+
   const StereoBagReader& bag_;
-  flight_corridor_ros::NodeConfig config_;
+  const flight_corridor_ros::NodeConfig config_;
+  flight_corridor_ros::Transforms transforms_;
   flight_corridor_ros::Inbox inbox_;
   flight_corridor_ros::Processor processor_;
+  flight_corridor_ros::Throttle age_warning_;
 };
 
 }  // namespace flight_corridor::tools

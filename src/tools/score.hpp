@@ -22,10 +22,10 @@ struct Reaction {
 /// Verdicts of one or many recordings held against truth.
 struct Score {
   int recordings_blocked = 0, recordings_false_free = 0;  ///< With truly blocked frames; with one called FREE.
-  int blocked = 0, free = 0, borderline = 0;  ///< Frames by truth.
-  int unanswered = 0;                         ///< Frames of truth that have no verdict; not in the counts above.
-  int unanswered_blocked = 0;                 ///< Those of them that are truly blocked.
-  int false_free = 0, false_block = 0;        ///< Said FREE of blocked, said BLOCKED of free.
+  int blocked = 0, free = 0, borderline = 0;              ///< Frames by truth.
+  int unanswered = 0;                   ///< Frames of truth that have no verdict; not in the counts above.
+  int unanswered_blocked = 0;           ///< Those of them that are truly blocked.
+  int false_free = 0, false_block = 0;  ///< Said FREE of blocked, said BLOCKED of free.
   int unknown_of_blocked = 0, unknown_of_free = 0;
   std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
   std::vector<double> frame_times_ms;     ///< What each answer cost.

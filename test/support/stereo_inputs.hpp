@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
 #include "ros/conversions.hpp"
 
@@ -20,6 +21,7 @@ struct StereoInputs {
   sensor_msgs::ImagePtr left, right;
   sensor_msgs::CameraInfo left_info, right_info;
   sensor_msgs::Range range;
+  std::string frame_prefix;  ///< "/" as in tf's first generation.
 
   /// @param wall_m at a whole number of pixels of disparity: a divisor of f*B = 42 px*m.
   /// @param seed of the texture: no two images of a camera are equal.
@@ -42,11 +44,11 @@ struct StereoInputs {
 
   void stamp(const ros::Time& time) {
     left->header.stamp = right->header.stamp = left_info.header.stamp = right_info.header.stamp = time;
-    left->header.frame_id = right->header.frame_id = "left_optical";
+    left->header.frame_id = right->header.frame_id = frame_prefix + "left_optical";
     left_info.header = left->header;
     right_info.header = right->header;
     range.header.stamp = time;
-    range.header.frame_id = "range_link";
+    range.header.frame_id = frame_prefix + "range_link";
   }
 
  private:

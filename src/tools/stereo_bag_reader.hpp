@@ -1,0 +1,84 @@
+#pragma once
+
+#include <geometry_msgs/TransformStamped.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/Range.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ros/params.hpp"
+#include "ros/stereo_subscriber.hpp"
+#include "tools/lost_pairs.hpp"
+#include "tools/stereo_topics.hpp"
+
+namespace flight_corridor::tools {
+
+using flight_corridor_ros::StereoMessages;
+
+/// A stereo pair, and when the last of its messages was recorded.
+struct RecordedPair : StereoMessages {
+  RecordedPair(const StereoMessages& messages, const ros::Time& recorded)
+      : StereoMessages(messages), recorded(recorded) {}
+
+  ros::Time recorded;
+};
+
+/// Reads a bag as the node would hear it.
+class StereoBagReader {
+ public:
+  /// Opens the bag. An image topic that is not in it as sensor_msgs/Image is read as sensor_msgs/CompressedImage, under
+  /// its own name or with "/compressed" behind it.
+  /// @throws std::runtime_error naming the file when it is damaged, and the topic that is not in it or has another
+  /// type, with what is there.
+  StereoBagReader(const std::string& path, const StereoTopics& topics);
+
+  /// Number of left images, the upper bound of the number of pairs.
+  std::size_t leftImages() const;
+  /// Mean rate of the left images [Hz]; NaN with fewer than two.
+  double rate() const;
+  /// Whether there are ranges in the bag: they may be missing.
+  bool hasRanges() const;
+  /// @throws std::runtime_error like the constructor when there are none.
+  void requireRanges() const;
+  /// @throws std::runtime_error like the constructor when there is none: it may be missing.
+  void requireImu() const;
+
+  struct Listener {
+    std::function<void(const RecordedPair& pair)> on_pair;
+    std::function<void(const sensor_msgs::RangeConstPtr& range)> on_range;
+    std::function<void(const sensor_msgs::ImuConstPtr& imu)> on_imu = [](const auto&) {};
+    std::function<void(const geometry_msgs::TransformStamped& transform, bool is_static)> on_transform = [](const auto&,
+                                                                                                            bool) {};
+  };
+  /// Hands out pairs, ranges, imu readings and transforms in the order of recording; transforms come early by the time
+  /// for which the node waits for them. An image that cannot be decoded is empty, and a warning says so.
+  /// @param config approximate_sync, sync_slop_s and sync_queue: how the messages of a pair find each other;
+  /// tf_timeout_s.
+  /// @return the stamps of what was there to make pairs of.
+  /// @throws std::runtime_error naming file and topic of a message that is damaged or of another type.
+  PairStamps play(const flight_corridor_ros::RosConfig& config, const Listener& listener) const;
+
+ private:
+  struct RecordedTransforms {
+    ros::Time recorded;
+    tf2_msgs::TFMessageConstPtr message;
+    bool is_static;
+  };
+
+  bool has(const std::string& topic) const;
+  std::string findImages(const std::string& named) const;
+  void requireTopic(const std::string& topic, const std::string& type) const;
+  void readTransforms();
+  template <typename Policy>
+  PairStamps playPairs(const Policy& policy, const ros::Duration& tf_timeout, const Listener& listener) const;
+
+  StereoTopics topics_;
+  rosbag::Bag bag_;
+  std::vector<RecordedTransforms> transforms_;
+};
+
+}  // namespace flight_corridor::tools

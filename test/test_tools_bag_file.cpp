@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "support/small_flight.hpp"
+#include "tools/bag_file.hpp"
+
+namespace flight_corridor::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BagFileTest : public test_support::SmallFlightTest {
+ protected:
+  std::string openError() const {
+    rosbag::Bag bag;
+    try {
+      openBag(path(), bag);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(BagFileTest, NamesAMissingBag) { EXPECT_EQ(openError(), path() + ": cannot be read"); }
+
+TEST_F(BagFileTest, NamesAFileThatIsNoBag) {
+  for (const char* text : {"", "#ROS", "stamp,state\n"}) {
+    std::ofstream(path()) << text;
+    EXPECT_EQ(openError(), path() + ": cannot be read: is no bag");
+  }
+}
+
+TEST_F(BagFileTest, NamesABagThatWasCutOffAndItsRemedy) {
+  writeFlight();
+  for (const std::uintmax_t size : {20u, 5000u}) {
+    fs::resize_file(path(), size);
+    const std::string error = openError();
+    EXPECT_EQ(error.find(path() + ": cannot be read: "), 0u) << error;
+    EXPECT_NE(error.find("rosbag reindex " + path()), std::string::npos) << error;
+  }
+}
+
+TEST_F(BagFileTest, TellsTheTypeOfEachTopic) {
+  writeFlight();
+  rosbag::Bag bag;
+  openBag(path(), bag);
+  const auto types = typesByTopic(bag);
+  EXPECT_EQ(types.size(), 8u);
+  EXPECT_EQ(types.at("/range"), "sensor_msgs/Range");
+  EXPECT_EQ(types.at("/tf_static"), "tf2_msgs/TFMessage");
+}
+
+TEST_F(BagFileTest, SaysThatABagHoldsNothing) {
+  rosbag::Bag(path(), rosbag::bagmode::Write).close();
+  rosbag::Bag bag;
+  openBag(path(), bag);
+  try {
+    failMissing(bag, "no topic /range");
+    FAIL() << "returned";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), path() + ": no topic /range; it has no messages");
+  }
+}
+
+}  // namespace
+}  // namespace flight_corridor::tools
