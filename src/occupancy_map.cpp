@@ -167,6 +167,7 @@ void OccupancyMap::clear() {
 }
 
 void OccupancyMap::clear(const Eigen::AlignedBox3d& box_M) {
+  if (!(box_M.min().array() <= box_M.max().array()).all()) return;
   octomap::OcTreeKey low, high;
   const auto key = [&](double coordinate_m) {
     const double cell = std::floor(coordinate_m / config_.resolution_m) + EvidenceTree::kKeyOrigin;

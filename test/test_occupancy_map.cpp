@@ -235,6 +235,10 @@ TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {
 TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
   OccupancyMap map(MapConfig(), kGeometry);
   map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
+  const std::size_t all = map.tree().size();
+  map.clear(Eigen::AlignedBox3d(Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)));
+  map.clear(Eigen::AlignedBox3d());
+  EXPECT_EQ(map.tree().size(), all) << "a box that is none";
   map.clear(Eigen::AlignedBox3d(Eigen::Vector3d(-0.5, -0.5, 2.0), Eigen::Vector3d(0.5, 0.5, 4.5)));
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.95}), Cell::Unknown);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 2.45}), Cell::Unknown);

@@ -162,6 +162,13 @@ TEST(Params, FilesThatCannotBeReadAreNamed) {
   EXPECT_TRUE(contains(complaintAboutFile(folder.path("empty.yaml")), "no map of parameters"));
 }
 
+TEST(Params, MapsThatHoldThemselvesEnd) {
+  const flight_corridor::test_support::TemporaryFolder folder;
+  const std::string path = folder.path("endless.yaml");
+  std::ofstream(path) << "stereo: &again\n  deeper: *again\n";
+  EXPECT_THROW(makeConfig(readYaml(path)), std::invalid_argument);
+}
+
 TEST(Params, QuotedNumbersAreTexts) {
   const flight_corridor::test_support::TemporaryFolder folder;
   std::ofstream(folder.path("quoted.yaml")) << "corridor: {length_m: \"3\"}";

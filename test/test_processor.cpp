@@ -171,6 +171,13 @@ TEST_F(ProcessorTest, ImagesOfHalfTheCalibrationsSizeAreBadImages) {
   EXPECT_EQ(processor.process(messages(inputs)).verdict.reasons, kBadImage);
 }
 
+TEST_F(ProcessorTest, AStampAtTheEndOfTimeIsNoPoseAndEndsNothing) {
+  mount("gimbal", 0.0, ros::Time(4294967295u, 0));
+  EXPECT_FALSE(transforms.find("left_optical", "gimbal", ros::Time(0)));
+  EXPECT_FALSE(transforms.find("left_optical", "range_link", ros::Time(4294967295u, 0)));
+  EXPECT_TRUE(transforms.find("left_optical", "range_link", kStart));
+}
+
 TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {
   see(kFar_m, kStart, 1);
   for (int i = 1; i < 4; ++i) {

@@ -45,7 +45,7 @@ class OccupancyMap {
   /// Everything unknown again.
   void clear();
 
-  /// Cells that meet a box are unknown again.
+  /// Cells that meet a box are unknown again; none where it is empty or NaN.
   void clear(const Eigen::AlignedBox3d& box_M);
 
   const octomap::OcTree& tree() const { return tree_; }

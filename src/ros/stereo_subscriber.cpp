@@ -37,8 +37,21 @@ StereoSubscriber::StereoSubscriber(const ros::NodeHandle& node, const RosConfig&
 template <typename Sync>
 void StereoSubscriber::connect(Sync& sync) {
   sync.setReset(true);
-  sync.connectInput(left_, left_info_, right_, right_info_);
+  sync.connectInput(possible_left_, possible_left_info_, possible_right_, possible_right_info_);
+  letThrough(left_, possible_left_);
+  letThrough(left_info_, possible_left_info_);
+  letThrough(right_, possible_right_);
+  letThrough(right_info_, possible_right_info_);
   sync.registerCallback(&StereoSubscriber::receive, this);
+}
+
+template <typename Message, typename Topic>
+void StereoSubscriber::letThrough(Topic& topic, message_filters::PassThrough<Message>& possible) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> pass =
+      [&possible](const boost::shared_ptr<const Message>& message) {
+        if (isPossible(message->header.stamp)) possible.add(message);
+      };
+  topic.registerCallback(pass);
 }
 
 void StereoSubscriber::receive(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <image_transport/subscriber_filter.h>
+#include <message_filters/pass_through.h>
 #include <message_filters/subscriber.h>
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/sync_policies/exact_time.h>
@@ -48,6 +49,8 @@ class StereoSubscriber {
 
   template <typename Sync>
   void connect(Sync& sync);
+  template <typename Message, typename Topic>
+  void letThrough(Topic& topic, message_filters::PassThrough<Message>& possible);
   void receive(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
                const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info);
 
@@ -55,6 +58,9 @@ class StereoSubscriber {
   image_transport::ImageTransport transport_;
   image_transport::SubscriberFilter left_, right_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> left_info_, right_info_;
+  // Those with a possible stamp, for the synchronizer.
+  message_filters::PassThrough<sensor_msgs::Image> possible_left_, possible_right_;
+  message_filters::PassThrough<sensor_msgs::CameraInfo> possible_left_info_, possible_right_info_;
   std::optional<message_filters::Synchronizer<Exact>> exact_;
   std::optional<message_filters::Synchronizer<Approximate>> approximate_;
 };

@@ -1,17 +1,58 @@
 #include "ros/transforms.hpp"
 
+#include <ros/console.h>
+
 namespace flight_corridor_ros {
+
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;  // messages; many nodes send poses at 100 Hz and more
+
+}  // namespace
 
 std::string withoutSlash(const std::string& frame) {
   const std::size_t first = frame.find_first_not_of('/');
   return first == std::string::npos ? "" : frame.substr(first);
 }
 
+Transforms::Transforms(const ros::NodeHandle& node) {
+  ros::NodeHandle listener(node);
+  listener.setCallbackQueue(&queue_);
+  const auto subscribe = [&](const std::string& topic, bool is_static) {
+    return listener.subscribe<tf2_msgs::TFMessage>(
+        topic, kQueue, [this, is_static](const tf2_msgs::TFMessageConstPtr& message) { receive(*message, is_static); });
+  };
+  moving_ = subscribe("/tf", false);
+  static_ = subscribe("/tf_static", true);
+  spinner_.emplace(1, &queue_);
+  spinner_->start();
+}
+
+/// Where the clock was set back, poses of the other time are of no use.
+void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
+  const ros::Time now = ros::Time::now();
+  if (now < heard_) {
+    ROS_WARN("time jumped back: the poses from tf are forgotten");
+    buffer_.clear();
+  }
+  heard_ = now;
+  for (const auto& transform : message.transforms) add(transform, is_static);
+}
+
+void Transforms::add(const geometry_msgs::TransformStamped& transform, bool is_static) {
+  if (isPossible(transform.header.stamp)) {
+    buffer_.setTransform(transform, "flight_corridor", is_static);
+  } else if (warning_.due()) {
+    ROS_WARN("tf of \"%s\" in \"%s\" is refused: its stamp, %.0f s, is none", transform.child_frame_id.c_str(),
+             transform.header.frame_id.c_str(), transform.header.stamp.toSec());
+  }
+}
+
 std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::string source, const ros::Time& stamp,
                                                   double timeout_s) const {
   target = withoutSlash(target);
   source = withoutSlash(source);
-  if (target.empty() || source.empty()) return std::nullopt;
+  if (target.empty() || source.empty() || !isPossible(stamp)) return std::nullopt;
   if (target == source) return Eigen::Isometry3d::Identity();  // also where tf has never heard of it
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(timeout_s);
   const ros::WallDuration pause(0.001);

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+
+#include "ros/heartbeat.hpp"
 
 namespace flight_corridor_ros {
 
@@ -15,17 +19,21 @@ namespace flight_corridor_ros {
 /// old bags still do.
 std::string withoutSlash(const std::string& frame);
 
+/// Whether a stamp is one that the libraries can reckon with: near the end of what ros::Time holds (2106) its
+/// arithmetic throws in their threads, which ends the process.
+inline bool isPossible(const ros::Time& stamp) { return stamp.sec < 4000000000u; }
+
 /// Poses from tf.
 class Transforms {
  public:
-  /// Listens to /tf and /tf_static.
-  explicit Transforms(const ros::NodeHandle& node) { listener_.emplace(buffer_, node); }
+  /// Listens to /tf and /tf_static in a thread of its own. (tf2_ros's listener lets a stranger's stamp end the
+  /// process.)
+  explicit Transforms(const ros::NodeHandle& node);
   /// Listens to nobody: knows what add() tells, and forgets nothing that a recording could hold.
   Transforms() : buffer_(ros::Duration(1e8)) {}
 
-  void add(const geometry_msgs::TransformStamped& transform, bool is_static) {
-    buffer_.setTransform(transform, "recording", is_static);
-  }
+  /// What tf2 refuses is left out.
+  void add(const geometry_msgs::TransformStamped& transform, bool is_static);
 
   /// T_target_source at a stamp (ros::Time(0): the newest).
   /// @param timeout_s how long to wait for it [s of wall time: a stopped /clock must not hold the caller].
@@ -34,8 +42,14 @@ class Transforms {
                                         double timeout_s = 0.0) const;
 
  private:
+  void receive(const tf2_msgs::TFMessage& message, bool is_static);
+
   tf2_ros::Buffer buffer_;
-  std::optional<tf2_ros::TransformListener> listener_;
+  ros::Time heard_;  // when the newest message came
+  Throttle warning_;
+  ros::CallbackQueue queue_;
+  ros::Subscriber moving_, static_;
+  std::optional<ros::AsyncSpinner> spinner_;
 };
 
 }  // namespace flight_corridor_ros

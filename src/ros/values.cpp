@@ -10,6 +10,8 @@ namespace flight_corridor_ros {
 
 namespace {
 
+constexpr int kLevels = 3;  // of maps: a key has two, and one that has more shall be named
+
 struct Describe {
   std::string operator()(std::monostate) const { return "of a type that no parameter has"; }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
@@ -78,12 +80,13 @@ std::string joined(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "/" + name;
 }
 
-void flatten(const YAML::Node& node, const std::string& key, Values& values) {
-  if (!node.IsMap()) {
+/// @param levels below which maps are not looked into: with YAML's aliases they need not end.
+void flatten(const YAML::Node& node, const std::string& key, int levels, Values& values) {
+  if (!node.IsMap() || levels == 0) {
     values[key] = toValue(node);
     return;
   }
-  for (const auto& child : node) flatten(child.second, joined(key, child.first.as<std::string>()), values);
+  for (const auto& child : node) flatten(child.second, joined(key, child.first.as<std::string>()), levels - 1, values);
 }
 
 void flatten(XmlRpc::XmlRpcValue& node, const std::string& key, Values& values) {
@@ -102,7 +105,7 @@ Values readYaml(const std::string& path) try {
   const YAML::Node file = YAML::LoadFile(path);
   if (!file.IsMap()) throw std::invalid_argument(path + ": no map of parameters");
   Values values;
-  flatten(file, "", values);
+  flatten(file, "", kLevels, values);
   return values;
 } catch (const YAML::BadFile&) {
   throw std::invalid_argument(path + ": cannot be read");

@@ -29,6 +29,9 @@ std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag);
 template <typename Message>
 boost::shared_ptr<Message> read(const rosbag::Bag& bag, const rosbag::MessageInstance& message) {
   boost::shared_ptr<Message> read;
+  if (message.size() == 0) {  // rosbag would read before its buffer
+    failDamaged(bag.getFileName(), "topic " + message.getTopic() + ": a message is empty");
+  }
   try {
     read = message.instantiate<Message>();
   } catch (const std::exception& error) {

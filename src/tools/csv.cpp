@@ -6,11 +6,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <stdexcept>
 
 namespace flight_corridor::tools {
 namespace {
+
+constexpr unsigned long long kLatest_s = 3999999999;  // 2096: near the end of ros::Time its arithmetic throws
 
 struct NumberColumn {
   const char* name;
@@ -117,9 +118,8 @@ ros::Time parseStamp(const std::string& text) {
   }
   decimals.resize(9, '0');
   const unsigned long long sec = std::stoull(seconds);
-  if (sec > std::numeric_limits<std::uint32_t>::max()) {
-    throw std::invalid_argument("'" + text + "' is beyond ros::Time; wanted are seconds up to " +
-                                std::to_string(std::numeric_limits<std::uint32_t>::max()));
+  if (sec > kLatest_s) {
+    throw std::invalid_argument("'" + text + "' is no stamp; wanted are seconds up to " + std::to_string(kLatest_s));
   }
   return {static_cast<std::uint32_t>(sec), static_cast<std::uint32_t>(std::stoul(decimals))};
 }

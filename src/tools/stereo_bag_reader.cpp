@@ -13,6 +13,7 @@
 
 #include "flight_corridor/types.hpp"
 #include "ros/heartbeat.hpp"
+#include "ros/transforms.hpp"
 #include "tools/bag_file.hpp"
 #include "tools/compressed_image.hpp"
 
@@ -59,7 +60,9 @@ class PairBuilder {
   void add(const boost::shared_ptr<Message>& message, TopicStamps& heard,
            message_filters::PassThrough<Message>& partner) {
     heard.stamps.push_back(message->header.stamp);
-    partner.add(ros::MessageEvent<const Message>(message, now_));
+    if (flight_corridor_ros::isPossible(message->header.stamp)) {
+      partner.add(ros::MessageEvent<const Message>(message, now_));
+    }
   }
 
   sensor_msgs::ImagePtr readImage(const rosbag::MessageInstance& message) {
