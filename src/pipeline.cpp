@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage;
 
-constexpr double kLatestSight = 0.5;  // of the way to the corridor's end: stereo has to see from there on
+constexpr double kLatestSight = 0.75;  // of the corridor: of its last quarter, the end, all has to be known
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -51,7 +51,7 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   const double end_m = corridor.offset_m.x() + corridor.length_m + corridor.margin_m;
   if (nearest_m <= kLatestSight * end_m) return;
   std::ostringstream text;
-  text << "stereo sees nothing nearer than " << nearest_m << " m, more than half of the corridor's " << end_m
+  text << "stereo sees nothing nearer than " << nearest_m << " m, in or beyond the last quarter of the corridor's " << end_m
        << " m (corridor/length_m): see that the baseline of " << geometry.calibration().baseline_m
        << " m is right, or search a larger stereo/num_disparities_px";
   throw std::invalid_argument(text.str());

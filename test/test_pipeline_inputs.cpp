@@ -112,15 +112,17 @@ TEST(PipelineInputs, APairFromBeforeTheLastOneIsNoData) {
   EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.state, State::Free);
 }
 
-TEST(PipelineInputs, ARigThatSeesNothingBeforeHalfTheCorridorIsRefused) {
+TEST(PipelineInputs, ARigThatSeesNothingBeforeTheCorridorsLastQuarterIsRefused) {
+  Config config;
+  config.stereo.num_disparities_px = 96;
   StereoCalibration calibration = smallCalibration();
-  calibration.baseline_m = 2.0;  // 2.8 m at 127 px
+  calibration.baseline_m = 2.0;  // 3.8 m at 93 px
   try {
-    Pipeline(Config(), StereoGeometry(calibration), rigWithLidar());
+    Pipeline(config, StereoGeometry(calibration), rigWithLidar());
     FAIL() << "was taken";
   } catch (const std::invalid_argument& error) {
     const std::string complaint = error.what();
-    for (const char* part : {"2.8", "4 m", "baseline", "num_disparities_px"}) {
+    for (const char* part : {"3.7", "4 m", "baseline", "num_disparities_px"}) {
       EXPECT_NE(complaint.find(part), std::string::npos) << complaint;
     }
   }

@@ -43,8 +43,8 @@ struct Counters : RangeCounts {
 /// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws.
 class Pipeline {
  public:
-  /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing nearer
-  /// than half the way to the corridor's end.
+  /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing before
+  /// the corridor's last quarter.
   Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
 
   /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the pair that is not before it.

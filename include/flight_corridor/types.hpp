@@ -75,7 +75,7 @@ enum Reason : std::uint32_t {
   kNoPose = 1u << 4,          ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo that sees nothing before
-                              ///< half the corridor.
+                              ///< the corridor's last quarter.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
                               ///< saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the
