@@ -8,6 +8,7 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr double kSmallestForward = 0.5;    // cosine of the largest angle between beam and optical axis
 constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a matching block holds one measurement anyway
 constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
@@ -40,9 +41,14 @@ BeamFootprint::BeamFootprint(const LidarConfig& config, const StereoGeometry& ge
       origin_C_(T_C_L.translation()),
       direction_C_(T_C_L.linear() * Eigen::Vector3d::UnitX()) {
   throwIfBroken(check(config));
-  if (!(direction_C_.z() > 0.0 && origin_C_.allFinite())) {
-    throw std::invalid_argument("the LiDAR's beam points backwards: check its pose (beam along +x)");
+  if (!looksAhead(T_C_L)) {
+    throw std::invalid_argument(
+        "the LiDAR's beam does not point where the camera looks: check its pose (beam along +x)");
   }
+}
+
+bool BeamFootprint::looksAhead(const Eigen::Isometry3d& T_C_L) {
+  return T_C_L.matrix().allFinite() && T_C_L.linear()(2, 0) >= kSmallestForward;
 }
 
 bool BeamFootprint::endsInView(const LidarConfig& config, const StereoGeometry& geometry,

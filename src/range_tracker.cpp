@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace flight_corridor {
 
@@ -12,15 +11,6 @@ constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half s
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
-
-/// Without a LiDAR the camera's axis.
-BeamFootprint beamOf(const LidarConfig& config, const StereoGeometry& geometry,
-                     const std::optional<Eigen::Isometry3d>& T_C_L) {
-  if (T_C_L && !BeamFootprint::endsInView(config, geometry, *T_C_L)) {
-    throw std::invalid_argument("the LiDAR's beam ends out of the camera's view: check its pose (beam along +x)");
-  }
-  return {config, geometry, T_C_L.value_or(opticalFromForward())};
-}
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
@@ -38,12 +28,21 @@ RangeTracker::RangeTracker(const Config& config, const StereoGeometry& geometry,
       scale_config_(config.scale),
       geometry_(geometry),
       has_lidar_(T_C_L.has_value()),
-      beam_(beamOf(config.lidar, geometry, T_C_L)),
+      beam_(config.lidar, geometry, T_C_L.value_or(opticalFromForward())),
       fusion_(config.fusion),
       scale_(config.scale) {}
 
+/// Ranges along another beam say nothing about this one; tf's jitter makes no other beam.
 void RangeTracker::mount(const std::optional<Eigen::Isometry3d>& T_C_L) {
-  beam_ = beamOf(lidar_config_, geometry_, T_C_L);
+  const BeamFootprint beam(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()));
+  const double moved_m = (beam.point(kReferenceDepth_m) - beam_.point(kReferenceDepth_m)).norm();
+  const bool is_another = moved_m > kReferenceDepth_m * lidar_config_.min_beam_width_rad;
+  if (is_another || has_lidar_ != T_C_L.has_value()) {
+    fusion_ = RangeFusion(fusion_config_);
+    lidar_ = LidarWatch();
+    ranges_.forget();
+  }
+  beam_ = beam;
   has_lidar_ = T_C_L.has_value();
 }
 

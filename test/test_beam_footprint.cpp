@@ -137,7 +137,9 @@ TEST(BeamFootprint, ABeamEndsInViewOrElsewhere) {
   EXPECT_FALSE(endsInView(nowhere));
 }
 
-TEST(BeamFootprint, RefusesABeamThatPointsBackwards) {
+TEST(BeamFootprint, RefusesABeamThatLooksElsewhere) {
+  EXPECT_TRUE(BeamFootprint::looksAhead(opticalFromForward()));
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
   EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, opticalFromForward().inverse()), std::invalid_argument);
 }
 

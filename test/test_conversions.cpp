@@ -342,7 +342,9 @@ TEST(StereoMessages, TheirHeaderHasAFrameThatTf2Takes) {
 }
 
 TEST(ToMarker, GoesByItselfWhenNothingComes) {
-  EXPECT_EQ(toMarker(header("left"), {}, flight_corridor::State::Free, 0.5).lifetime, ros::Duration(0.5));
+  const auto lifetime = [](double s) { return toMarker(header("left"), {}, flight_corridor::State::Free, s).lifetime; };
+  EXPECT_EQ(lifetime(0.5), ros::Duration(0.5));
+  EXPECT_EQ(lifetime(flight_corridor::kInfinity), ros::Duration(60.0));
 }
 
 TEST(ToMarker, IsTheBoxInItsStatesColour) {

@@ -162,6 +162,13 @@ TEST(Params, FilesThatCannotBeReadAreNamed) {
   EXPECT_TRUE(contains(complaintAboutFile(folder.path("empty.yaml")), "no map of parameters"));
 }
 
+TEST(Params, FramesAreNamedAsTf2NamesThem) {
+  EXPECT_EQ(makeConfig({{"map/frame_id", std::string("/odom")}}).core.map.frame_id, "odom");
+  for (const char* key : {"map/frame_id", "corridor/frame_id", "ros/gravity_frame"}) {
+    EXPECT_NE(complaintAbout({{key, std::string("/")}}).find(key), std::string::npos) << key;
+  }
+}
+
 TEST(Params, MapsThatHoldThemselvesEnd) {
   const flight_corridor::test_support::TemporaryFolder folder;
   const std::string path = folder.path("endless.yaml");

@@ -121,7 +121,7 @@ TEST_F(ProcessorTest, AMountingThatIsSentAgainWithOtherNumbersCounts) {
   moved.child_frame_id = "range_link";
   transforms.add(moved, true);
   EXPECT_NEAR(seeAt(0.1, kFar_m - 0.5).range_stereo_m, kFar_m - 0.5, 0.05);
-  EXPECT_EQ(processor.counters().frames, 2u) << "by one pipeline: nothing is forgotten";
+  EXPECT_EQ(processor.counters().frames, 2u) << "by one pipeline: the map stays";
   mount("range_link", M_PI_2);  // looks aside now
   EXPECT_TRUE(seeAt(1.0, 1.5).verdict.reasons & kNoLidar);
   EXPECT_FALSE(processor.lidar());

@@ -93,15 +93,28 @@ TEST(RangeTracker, ReadingsWithAnImpossibleStampTouchNothing) {
 
 TEST(RangeTracker, AMountingThatIsToldAnewCounts) {
   RangeTracker tracker = trackerWithLidar();
-  const Eigen::Isometry3d T_C_L = *rigWithLidar().T_C_L;
-  const Eigen::Isometry3d moved = Eigen::Translation3d(0.0, 0.0, 0.5) * T_C_L;
-  const TrackedRange before = trackedFor(tracker, 3.0, showing(7.0));
-  EXPECT_NEAR(before.range_stereo_m, 3.0 - T_C_L.translation().z(), 1e-6);
+  const Eigen::Isometry3d moved = Eigen::Translation3d(0.0, 0.0, 0.5) * opticalFromForward();
+  EXPECT_NEAR(trackedFor(tracker, 3.0, showing(7.0)).range_stereo_m, 3.0, 1e-6);
   tracker.mount(moved);
-  EXPECT_NEAR(tracker.update(1.5, showing(7.0)).range_stereo_m, 3.0 - moved.translation().z(), 1e-6);
-  tracker.mount(std::nullopt);
-  EXPECT_NEAR(tracker.update(1.6, showing(7.0)).range_stereo_m, 3.0, 1e-6) << "the camera's axis";
+  EXPECT_NEAR(tracker.update(1.5, showing(7.0)).range_stereo_m, 2.5, 1e-6);
   EXPECT_THROW(tracker.mount(Eigen::Isometry3d::Identity()), std::invalid_argument) << "looks to the right";
+}
+
+TEST(RangeTracker, WhatAnotherBeamMetIsForgottenAtOnce) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_TRUE(trackedFor(tracker, 7.0, showing(3.0)).lidar_tells);
+  tracker.mount(std::nullopt);
+  const TrackedRange tracked = tracker.update(1.5, showing(7.0));
+  EXPECT_FALSE(tracked.lidar_tells);
+  EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
+  EXPECT_FALSE(tracked.range.range_m > 3.1) << "the old beam's 7 m";
+}
+
+TEST(RangeTracker, AMountingThatJittersForgetsNothing) {
+  RangeTracker tracker = trackerWithLidar();
+  trackedFor(tracker, 3.0, showing(7.0));
+  tracker.mount(Eigen::Translation3d(1e-3, 0.0, 0.0) * opticalFromForward());
+  EXPECT_NEAR(tracker.update(1.5, showing(7.0)).range_lidar_m, 3.0, 0.01);
 }
 
 TEST(RangeTracker, AMatchThatDiffersFromTheLidarTeachesTheScale) {

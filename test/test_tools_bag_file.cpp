@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "support/small_flight.hpp"
 #include "tools/bag_file.hpp"
@@ -41,6 +42,27 @@ TEST_F(BagFileTest, NamesABagThatWasCutOffAndItsRemedy) {
     EXPECT_EQ(error.find(path() + ": cannot be read: "), 0u) << error;
     EXPECT_NE(error.find("rosbag reindex " + path()), std::string::npos) << error;
   }
+}
+
+/// Writes a number over four bytes of a file, `skip` bytes from where a text begins first.
+void overwrite(const std::string& path, const std::string& text, std::ptrdiff_t skip, std::uint32_t number) {
+  std::ostringstream content;
+  content << std::ifstream(path, std::ios::binary).rdbuf();
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(static_cast<std::ptrdiff_t>(content.str().find(text)) + skip);
+  file.write(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
+TEST_F(BagFileTest, NamesABagWhoseLengthsLie) {
+  const std::string message("op=\2", 4), index("op=\4", 4);  // behind the header's length, and "conn=...." with its own
+  for (const std::ptrdiff_t skip : {-21, -17}) {
+    writeFlight();
+    overwrite(path(), message, skip, 100000);
+    EXPECT_NE(openError().find("a record"), std::string::npos) << openError();
+  }
+  writeFlight();
+  overwrite(path(), index, 28, 7);  // behind "ver=....", the length of the data, and the time
+  EXPECT_NE(openError().find("the index leads to no message at byte"), std::string::npos) << openError();
 }
 
 TEST_F(BagFileTest, TellsTheTypeOfEachTopic) {

@@ -39,10 +39,12 @@ class BeamFootprint {
   static constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
 
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
-  /// @throws std::invalid_argument with every broken rule, or when the beam points backwards.
+  /// @throws std::invalid_argument with every broken rule, or when the beam does not look ahead.
   BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
 
-  /// Whether the far end of a beam (along +x of L) is on the left image: that of a LiDAR that looks along.
+  /// Whether a beam (along +x of L) points no more than 60 degrees off the optical axis: it can meet what is ahead.
+  static bool looksAhead(const Eigen::Isometry3d& T_C_L);
+  /// Whether the far end of a beam is on the left image, so that stereo sees what it meets.
   static bool endsInView(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
 
   /// Footprint at a range along the beam; nullopt when it lies outside the image or behind the camera.

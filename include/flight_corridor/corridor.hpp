@@ -59,7 +59,7 @@ class Corridor {
   /// inspectBox() where only what lies farther along the box's axis than blind_m before the camera must be known, and
   /// of that what could be observed: near the camera no view is as wide as the box. But of the box's last quarter all
   /// must be known unless two thirds of it could be observed.
-  /// @param observable_M where a surface could be matched.
+  /// @param observable_M where a surface is on both images, also one too near to be matched.
   CorridorOccupancy inspect(const octomap::OcTree& tree, const Box& box, const Eigen::Vector3d& camera_M,
                             const ConvexRegion& observable_M, const CellBegin& begin = nullptr) const;
 

@@ -48,6 +48,12 @@ class PendingReadings {
     return taken;
   }
 
+  /// What waits goes, and so does what is known of the time.
+  void forget() {
+    waiting_.clear();
+    pair_stamp_s_ = kNaN;
+  }
+
   /// How many were refused for their stamp.
   std::uint64_t refused() const { return refused_; }
   /// The last one's stamp less the pair's [s]; NaN: it had none.

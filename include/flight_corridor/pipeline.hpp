@@ -55,8 +55,8 @@ class Pipeline {
     range_tracker_.addAcceleration(stamp_s, acceleration_C_mps2);
   }
 
-  /// From now on the LiDAR sits there, or there is none; what is known of the range stays.
-  /// @throws std::invalid_argument when its beam ends out of view.
+  /// From now on the LiDAR sits there, or there is none: RangeTracker::mount().
+  /// @throws std::invalid_argument when its beam does not look ahead.
   void mountLidar(const std::optional<Eigen::Isometry3d>& T_C_L) { range_tracker_.mount(T_C_L); }
 
   /// The verdict for one stereo pair. One with an earlier stamp than the last is refused (NO_DATA): where the clock was

@@ -17,10 +17,11 @@ namespace flight_corridor_ros {
 
 namespace {
 
-constexpr double kSamePx = 0.01;            // what rounding in a calibration file may differ
-constexpr double kSubpixelStep = 1 / 16.0;  // of StereoSGBM
-constexpr int kLeastBrightest = 4096;       // of 16 bits: a sixteenth, below which nothing could be matched
-constexpr double kUnitNorm = 0.01;          // what rounding in a quaternion typed by hand may differ
+constexpr double kSamePx = 0.01;             // what rounding in a calibration file may differ
+constexpr double kSubpixelStep = 1 / 16.0;   // of StereoSGBM
+constexpr double kLongestLifetime_s = 60.0;  // ros::Duration holds no infinity
+constexpr int kLeastBrightest = 4096;        // of 16 bits: a sixteenth, below which nothing could be matched
+constexpr double kUnitNorm = 0.01;           // what rounding in a quaternion typed by hand may differ
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
@@ -201,7 +202,7 @@ visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight
   marker.ns = "corridor";
   marker.type = visualization_msgs::Marker::CUBE;
   marker.action = visualization_msgs::Marker::ADD;
-  marker.lifetime = ros::Duration(lifetime_s);
+  marker.lifetime = ros::Duration(std::min(lifetime_s, kLongestLifetime_s));
   marker.pose = tf2::toMsg(box.T_M_F * Eigen::Translation3d(box.size_m.x() / 2, 0.0, 0.0));
   tf2::toMsg(box.size_m, marker.scale);
   marker.color.b = static_cast<float>(bgr[0]);

@@ -72,6 +72,13 @@ std::vector<sensor_msgs::ImuConstPtr> Inbox::takeImu(const ros::Time& pair) {
   return imu_.take(pair.toSec());
 }
 
+void Inbox::forgetReadings() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ranges_.forget();
+  imu_.forget();
+  range_frames_.clear();
+}
+
 std::vector<std::string> Inbox::rangeFrames() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return range_frames_;

@@ -35,6 +35,9 @@ class Inbox {
   std::vector<sensor_msgs::RangeConstPtr> takeRanges(const ros::Time& pair);
   std::vector<sensor_msgs::ImuConstPtr> takeImu(const ros::Time& pair);
 
+  /// Forgets the readings that wait, their frames, and the time of the pairs.
+  void forgetReadings();
+
   /// Frames of the ranges that came, without a leading slash, the first one first.
   std::vector<std::string> rangeFrames() const;
 

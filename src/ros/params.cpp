@@ -158,6 +158,13 @@ struct Read {
   }
 };
 
+/// Frames are named as tf2 names them.
+void takeFrame(const std::string& key, std::string& frame, Violations& broken) {
+  const std::string plain = withoutSlash(frame);
+  if (plain.empty() && !frame.empty()) broken.push_back(key + ": a frame's name (\"" + frame + "\")");
+  frame = plain;
+}
+
 }  // namespace
 
 Violations check(const RosConfig& config) {
@@ -185,10 +192,10 @@ NodeConfig makeConfig(const Values& values) {
   for (const Violations& section : {flight_corridor::check(config.core), check(config.ros)}) {
     broken.insert(broken.end(), section.begin(), section.end());
   }
+  takeFrame("map/frame_id", config.core.map.frame_id, broken);
+  takeFrame("corridor/frame_id", config.core.corridor.frame_id, broken);
+  takeFrame("ros/gravity_frame", config.ros.gravity_frame, broken);
   flight_corridor::throwIfBroken(broken);
-  for (std::string* frame : {&config.core.map.frame_id, &config.core.corridor.frame_id, &config.ros.gravity_frame}) {
-    *frame = withoutSlash(*frame);
-  }
   return config;
 }
 

@@ -155,7 +155,8 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
     ROS_WARN(
-        "hardly a pixel is matched (below stereo/min_matched_fraction %g): UNKNOWN. Bare surfaces, exposure, a covered "
+        "hardly a pixel is matched (below stereo/min_matched_fraction %g), so nothing is FREE. Bare surfaces, "
+        "exposure, a covered "
         "lens, images that are not rectified together, or left and right exchanged",
         config_.core.stereo.min_matched_fraction);
   }

@@ -51,7 +51,7 @@ class Processor {
   const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
   /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
   const std_msgs::Header& mapHeader() const { return map_header_; }
-  /// The LiDAR's newest reading up to the last pair; null without one, or where tf does not know the LiDAR.
+  /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
   /// The last pair's left image, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }

@@ -13,6 +13,7 @@ namespace flight_corridor_ros {
 
 namespace {
 
+using flight_corridor::BeamFootprint;
 using flight_corridor::Pipeline;
 using flight_corridor::StereoCalibration;
 using flight_corridor::StereoGeometry;
@@ -78,41 +79,37 @@ void RigPipeline::reset() {
   is_fit_ = false;
 }
 
-/// The one that is known already first: another does not take its place while its mounting is good.
+/// One whose beam ends in view, else one that looks ahead; the one that is known already before others.
 void RigPipeline::findLidar(const StereoGeometry& geometry, const std::string& camera_frame,
                             std::vector<std::string> range_frames) {
-  if (hasLidar()) range_frames.insert(range_frames.begin(), lidar_frame_);
-  const bool is_found = std::any_of(range_frames.begin(), range_frames.end(), [&](const std::string& range_frame) {
-    return isLidarAt(geometry, camera_frame, range_frame);
-  });
-  if (is_found || !hasLidar()) return;
+  std::stable_partition(range_frames.begin(), range_frames.end(), [this](const auto& frame) { return isLidar(frame); });
+  for (const bool must_end_in_view : {true, false}) {
+    for (const std::string& frame : range_frames) {
+      const auto T_C_L = transforms_.find(camera_frame, frame, ros::Time(0));
+      if (!T_C_L || !BeamFootprint::looksAhead(*T_C_L)) continue;
+      if (!must_end_in_view || BeamFootprint::endsInView(config_.lidar, geometry, *T_C_L)) return mount(frame, *T_C_L);
+    }
+  }
+  if (hasLidar()) lidar_moved_ = true;
   T_C_L_.reset();
-  lidar_moved_ = true;
+  if (!range_frames.empty() && lidar_warning_.due()) {
+    const bool is_known = transforms_.find(camera_frame, range_frames[0], ros::Time(0)).has_value();
+    ROS_WARN(
+        "ranges of \"%s\" are not used: %s camera \"%s\". Publish its mounting (beam along +x), e.g. with tf2_ros "
+        "static_transform_publisher",
+        range_frames[0].c_str(),
+        range_frames[0].empty() ? "they name no frame (header.frame_id) that tf could place by"
+        : is_known              ? "the beam does not look where it looks, the"
+                                : "tf knows no pose of it in that of",
+        camera_frame.c_str());
+  }
 }
 
-/// Whether a range sensor is the rig's LiDAR; then remembers where it sits.
-bool RigPipeline::isLidarAt(const StereoGeometry& geometry, const std::string& camera_frame,
-                            const std::string& range_frame) {
-  const auto T_C_L = transforms_.find(camera_frame, range_frame, ros::Time(0));
-  const bool is_lidar = T_C_L && flight_corridor::BeamFootprint::endsInView(config_.lidar, geometry, *T_C_L);
-  if (!is_lidar) {
-    const char* fault = range_frame.empty() ? "they name no frame (header.frame_id), so tf cannot tell where it is in"
-                        : T_C_L             ? "the beam ends out of view of camera"
-                                            : "tf knows no pose of it in";
-    if (lidar_warning_.due()) {
-      ROS_WARN(
-          "ranges of \"%s\" are not used: %s \"%s\"; publish its mounting (beam along +x), e.g. with tf2_ros "
-          "static_transform_publisher",
-          range_frame.c_str(), fault, camera_frame.c_str());
-    }
-    return false;
-  }
-  const bool is_known = T_C_L_ && range_frame == lidar_frame_ && T_C_L->isApprox(*T_C_L_, kSameMounting);
-  if (!is_known) ROS_INFO("LiDAR \"%s\"", range_frame.c_str());
-  lidar_moved_ |= !is_known;
-  if (!is_known) T_C_L_ = T_C_L;
+void RigPipeline::mount(const std::string& range_frame, const Eigen::Isometry3d& T_C_L) {
+  if (!isLidar(range_frame)) ROS_INFO("LiDAR \"%s\"", range_frame.c_str());
+  lidar_moved_ |= !isLidar(range_frame) || !T_C_L.isApprox(*T_C_L_, kSameMounting);
   lidar_frame_ = range_frame;
-  return true;
+  T_C_L_ = T_C_L;
 }
 
 /// Where the corridor points at a pair's stamp, T_C_F: its frame may turn against the camera.

@@ -20,7 +20,7 @@ class RigPipeline {
       : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
 
   /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam
-  /// ends in the camera's view; where it sits is what tf says now.
+  /// ends in the camera's view, else that looks ahead; it stays the LiDAR while that holds, and sits where tf says now.
   /// @param range_frames of the range sensors, without a leading slash.
   /// @return why there is no pipeline: 0, kBadCalibration or kNoPose.
   std::uint32_t fit(const StereoMessages& pair, const std::vector<std::string>& range_frames);
@@ -40,8 +40,7 @@ class RigPipeline {
  private:
   void findLidar(const flight_corridor::StereoGeometry& geometry, const std::string& camera_frame,
                  std::vector<std::string> range_frames);
-  bool isLidarAt(const flight_corridor::StereoGeometry& geometry, const std::string& camera_frame,
-                 const std::string& range_frame);
+  void mount(const std::string& range_frame, const Eigen::Isometry3d& T_C_L);
   void make(const flight_corridor::StereoGeometry& geometry, const Eigen::Isometry3d& T_C_F);
   std::optional<Eigen::Isometry3d> forward(const std_msgs::Header& camera);
 

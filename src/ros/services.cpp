@@ -61,6 +61,7 @@ void Services::offer(const std::string& name, Answer<Service> answer) {
 }
 
 std_srvs::EmptyResponse Services::reset(const std_srvs::EmptyRequest&) {
+  inbox_.forgetReadings();
   processor_.reset();
   return {};
 }

@@ -55,12 +55,12 @@ class StereoSubscriber {
                const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info);
 
   std::function<void(const StereoMessages&)> callback_;
+  // Messages with a possible stamp, for the synchronizer; they outlive those who hand them on.
+  message_filters::PassThrough<sensor_msgs::Image> possible_left_, possible_right_;
+  message_filters::PassThrough<sensor_msgs::CameraInfo> possible_left_info_, possible_right_info_;
   image_transport::ImageTransport transport_;
   image_transport::SubscriberFilter left_, right_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> left_info_, right_info_;
-  // Those with a possible stamp, for the synchronizer.
-  message_filters::PassThrough<sensor_msgs::Image> possible_left_, possible_right_;
-  message_filters::PassThrough<sensor_msgs::CameraInfo> possible_left_info_, possible_right_info_;
   std::optional<message_filters::Synchronizer<Exact>> exact_;
   std::optional<message_filters::Synchronizer<Approximate>> approximate_;
 };

@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "tools/bag_records.hpp"
+
 namespace flight_corridor::tools {
 namespace {
 
@@ -21,6 +23,7 @@ void requireMagic(const std::string& path) {
 void openBag(const std::string& path, rosbag::Bag& bag) {
   requireMagic(path);
   try {
+    requireSoundRecords(path);
     bag.open(path, rosbag::bagmode::Read);
   } catch (const std::exception& error) {
     failDamaged(path, error.what());
