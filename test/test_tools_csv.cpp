@@ -165,6 +165,12 @@ TEST_F(CsvTest, NamesAStampThatIsThereTwiceOrRunsBack) {
             back + ":3: column 'stamp': 1.000000000 is not later than the one before, 2.000000000");
 }
 
+TEST_F(CsvTest, NamesAStampThatIsALifetimeAfterTheFirst) {
+  const std::string path = write("stamp,state\n10.5,FREE\n2979446295.6,FREE\n");
+  EXPECT_EQ(error([&] { readResults(path); }),
+            path + ":3: column 'stamp': 2979446295.600000000 is more than 68 years " + "after the first, 10.500000000");
+}
+
 TEST_F(CsvTest, RefusesTruthThatIsNoDistance) {
   const std::string path = write("stamp,clear_exact,clear_shrunk,clear_inflated\n1,nan,inf,inf\n");
   EXPECT_EQ(error([&] { readTruth(path); }), path + ":2: column 'clear_exact': truth must be a distance >= 0 or inf");

@@ -12,6 +12,7 @@ namespace flight_corridor::tools {
 namespace {
 
 constexpr unsigned long long kLatest_s = 3999999999;  // 2096: near the end of ros::Time its arithmetic throws
+constexpr std::uint32_t kLongest_s = 0x7fffffff;      // between two stamps: ros::Duration holds no more
 
 struct NumberColumn {
   const char* name;
@@ -193,6 +194,9 @@ std::vector<ros::Time> CsvTable::stamps(const std::string& column) const {
     const ros::Time now = stamp(i, column);
     if (!stamps.empty() && now <= stamps.back()) {
       fail(i, column, formatStamp(now) + " is not later than the one before, " + formatStamp(stamps.back()));
+    }
+    if (!stamps.empty() && now.sec - stamps.front().sec >= kLongest_s) {
+      fail(i, column, formatStamp(now) + " is more than 68 years after the first, " + formatStamp(stamps.front()));
     }
     stamps.push_back(now);
   }

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <ros/console.h>
+
+namespace flight_corridor::fuzz {
+
+/// Warnings by the thousand hide a finding.
+inline void silenceRos() {
+  ros::console::set_logger_level(ROSCONSOLE_DEFAULT_NAME, ros::console::levels::Fatal);
+  ros::console::notifyLoggerLevelsChanged();
+}
+
+}  // namespace flight_corridor::fuzz
