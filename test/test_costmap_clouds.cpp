@@ -21,6 +21,7 @@ flight_corridor::StereoGeometry geometry() {
 
 Points read(const sensor_msgs::PointCloud2& message) {
   Points points;
+  if (message.data.empty()) return points;  // PCL would take the address of the first of no points
   pcl::fromROSMsg(message, points);
   return points;
 }

@@ -57,8 +57,9 @@ class BagRecords {
   std::string bytes(Position at, Position count, Position limit) {
     if (at > limit || count > limit - at) fail("a record announces more bytes than there are,", at);
     std::string bytes(count, '\0');
-    file_.seekg(static_cast<std::streamoff>(at));
+    if (at != at_) file_.seekg(static_cast<std::streamoff>(at));  // seeking empties its buffer
     file_.read(bytes.data(), static_cast<std::streamsize>(count));
+    at_ = at + count;
     return bytes;
   }
 
@@ -109,7 +110,7 @@ class BagRecords {
   }
 
   std::ifstream file_;
-  Position end_ = 0, last_message_ = 0;
+  Position end_ = 0, at_ = ~Position{0}, last_message_ = 0;
   std::vector<Position> in_chunk_;  // where the last chunk's records begin
   bool is_open_ = false;            // whether it is not compressed
 };
