@@ -29,7 +29,7 @@ std::uint32_t number(const char* bytes) {
 
 /// Length of header, "length name=value" for each field, length of data, data.
 struct Record {
-  Position begin = 0, data = 0, end = 0;
+  Position data = 0, end = 0;
   std::map<std::string, std::string> fields;
 
   char op() const {
@@ -68,7 +68,6 @@ class BagRecords {
   /// @param limit where what holds the record ends.
   Record read(Position at, Position limit) {
     Record record;
-    record.begin = at;
     const Position header = at + 4, header_size = length(at, limit), data_size_at = header + header_size;
     const std::string fields = bytes(header, header_size, limit);
     for (Position field = 0; field < header_size;) {
@@ -88,31 +87,32 @@ class BagRecords {
   }
 
   void readChunk(const Record& chunk) {
-    in_chunk_.clear();
+    leading_.clear();
     is_open_ = chunk.fields.count("compression") != 0 && chunk.fields.at("compression") == "none";
+    std::size_t until_last_message = 0;
     for (Position at = chunk.data; is_open_ && at < chunk.end;) {
       const Record record = read(at, chunk.end);
-      in_chunk_.push_back(at - chunk.data);
-      if (record.op() == kMessage) last_message_ = at - chunk.data;
+      leading_.push_back(at - chunk.data);
+      if (record.op() == kMessage) until_last_message = leading_.size();
       at = record.end;
     }
+    leading_.resize(until_last_message);
   }
 
   /// Each entry leads to a record of the chunk before, from which rosbag looks for the next message.
   void checkIndex(const Record& index) {
     const std::string entries = bytes(index.data, index.end - index.data, end_);
     for (std::size_t entry = 0; is_open_ && entry + kIndexEntry <= entries.size(); entry += kIndexEntry) {
-      const Position offset = number(&entries[entry + 8]);
-      if (!std::binary_search(in_chunk_.begin(), in_chunk_.end(), offset) || offset > last_message_) {
+      if (!std::binary_search(leading_.begin(), leading_.end(), Position{number(&entries[entry + 8])})) {
         fail("the index leads to no message", index.data + entry);
       }
     }
   }
 
   std::ifstream file_;
-  Position end_ = 0, at_ = ~Position{0}, last_message_ = 0;
-  std::vector<Position> in_chunk_;  // where the last chunk's records begin
-  bool is_open_ = false;            // whether it is not compressed
+  Position end_ = 0, at_ = ~Position{0};
+  std::vector<Position> leading_;  // offsets of the last chunk's records that lead to a message, its own or the next
+  bool is_open_ = false;           // whether it is not compressed
 };
 
 }  // namespace
