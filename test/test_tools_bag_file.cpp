@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <std_msgs/Float64.h>
 
 #include <filesystem>
 #include <fstream>
@@ -62,6 +63,17 @@ TEST_F(BagFileTest, NamesABagWhoseLengthsLie) {
   }
   writeFlight();
   overwrite(path(), index, 28, 7);  // behind "ver=....", the length of the data, and the time
+  EXPECT_NE(openError().find("the index leads to no message at byte"), std::string::npos) << openError();
+}
+
+TEST_F(BagFileTest, NamesAChunkWhoseIndexLeadsToNoMessageThoughTheOneBeforeHasOne) {
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  bag.setChunkThreshold(1);  // each message has its own
+  for (const std::uint32_t second : {1u, 0x74686973u}) bag.write("/number", ros::Time(second, 0), std_msgs::Float64());
+  bag.close();
+  EXPECT_EQ(openError(), "");
+  const std::string second_message("op=\2\x0d\0\0\0time=siht", 17);  // behind the second chunk's header
+  overwrite(path(), second_message, 0, 0x073d706f);                  // "op=\7": a connection
   EXPECT_NE(openError().find("the index leads to no message at byte"), std::string::npos) << openError();
 }
 

@@ -5,7 +5,6 @@
 #include <topic_tools/shape_shifter.h>
 
 #include <new>
-#include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -110,12 +109,6 @@ void replay(const std::string& path) try {
 
 }  // namespace
 }  // namespace flight_corridor::tools
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  cv::setNumThreads(1);
-  flight_corridor::fuzz::silenceRos();
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace flight_corridor;

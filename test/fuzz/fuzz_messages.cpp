@@ -3,7 +3,6 @@
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_eigen/tf2_eigen.h>
 
-#include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
 #include "bytes.hpp"
@@ -12,7 +11,6 @@
 #include "ros/costmap_clouds.hpp"
 #include "ros/map_conversions.hpp"
 #include "ros/processor.hpp"
-#include "silence.hpp"
 
 namespace flight_corridor_ros {
 namespace {
@@ -202,12 +200,6 @@ void convertQuestions(Bytes& bytes) {
 
 }  // namespace
 }  // namespace flight_corridor_ros
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  cv::setNumThreads(1);
-  flight_corridor::fuzz::silenceRos();
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   flight_corridor::fuzz::Bytes bytes(data, size);

@@ -1,8 +1,6 @@
 // One pair, seen by pipelines that know nothing else: what is put into the corridor takes its FREE away, and so does a
 // larger corridor that holds what blocks the smaller one.
 
-#include <opencv2/core/utility.hpp>
-
 #include "bytes.hpp"
 
 namespace flight_corridor::fuzz {
@@ -71,11 +69,6 @@ void look(Bytes& bytes) {
 
 }  // namespace
 }  // namespace flight_corridor::fuzz
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  cv::setNumThreads(1);
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   flight_corridor::fuzz::Bytes bytes(data, size);

@@ -1,7 +1,6 @@
 // Whatever the cameras, the LiDAR and the pose source give, one after the other: no crash, and no FREE without
 // evidence.
 
-#include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -153,11 +152,6 @@ void fly(Bytes& bytes) {
 
 }  // namespace
 }  // namespace flight_corridor::fuzz
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  cv::setNumThreads(1);
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   flight_corridor::fuzz::Bytes bytes(data, size);

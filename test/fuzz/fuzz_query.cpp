@@ -1,7 +1,6 @@
 // Any box at all, asked of a pipeline that has seen something: an answer or std::invalid_argument, and no FREE where a
 // part of it is BLOCKED.
 
-#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -71,11 +70,6 @@ void question(Bytes& bytes) {
 
 }  // namespace
 }  // namespace flight_corridor::fuzz
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  cv::setNumThreads(1);
-  return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   flight_corridor::fuzz::Bytes bytes(data, size);
