@@ -32,17 +32,15 @@ RangeTracker::RangeTracker(const Config& config, const StereoGeometry& geometry,
       fusion_(config.fusion),
       scale_(config.scale) {}
 
-/// Ranges along another beam say nothing about this one; tf's jitter makes no other beam.
+/// Where the beam points elsewhere, its range changes as it does where the scene changes, and is followed alike: what
+/// disagreed before still does.
 void RangeTracker::mount(const std::optional<Eigen::Isometry3d>& T_C_L) {
-  const BeamFootprint beam(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()));
-  const double moved_m = (beam.point(kReferenceDepth_m) - beam_.point(kReferenceDepth_m)).norm();
-  const bool is_another = moved_m > kReferenceDepth_m * lidar_config_.min_beam_width_rad;
-  if (is_another || has_lidar_ != T_C_L.has_value()) {
+  beam_ = BeamFootprint(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()));
+  if (has_lidar_ != T_C_L.has_value()) {
     fusion_ = RangeFusion(fusion_config_);
     lidar_ = LidarWatch();
     ranges_.forget();
   }
-  beam_ = beam;
   has_lidar_ = T_C_L.has_value();
 }
 

@@ -59,8 +59,8 @@ class RangeTracker {
     accelerations_.put(stamp_s, {stamp_s, acceleration_C_mps2});
   }
 
-  /// From now on the LiDAR sits there, or there is none. What was known of the range along another beam is forgotten;
-  /// what was learnt of the scale stays.
+  /// From now on the LiDAR sits there, or there is none. Where it comes or goes, what was known of the range is
+  /// forgotten; what was learnt of the scale stays.
   /// @throws std::invalid_argument when its beam does not look ahead.
   void mount(const std::optional<Eigen::Isometry3d>& T_C_L);
 
