@@ -19,6 +19,7 @@ constexpr int kBelowZero_px = 2;           // disparities searched below zero: f
 constexpr double kLargestOffset_px = 1.5;  // of such a rig
 constexpr double kBrightGrey = 100.0;      // mean grey of an image in good light
 constexpr double kDimNoise = 2.0 / 3.0;    // what remains of a bright image's noise in the dark, by the electronics
+constexpr double kRightTexture = 0.5;      // of what the left image must have: the right one sees edges elsewhere
 constexpr int kSupport_px = 31;            // matches so far around support a fill
 constexpr double kSupportSlack_px = 1.0;   // rounding of disparity at half size
 constexpr double kLeastWeight = 1e-3;      // about one match around
@@ -118,17 +119,36 @@ void DisparityEstimator::match(const cv::Mat& left, Disparity& out) {
   const auto unmatched = static_cast<std::int16_t>((min_disparity_px_ - 1) * kFixedPoint);
   island_filter_.filter(left, balanced_right_, matched_fixed_, unmatched, out.small);
 
-  // Where nothing varies along the row, every disparity matches.
-  cv::Sobel(left, gradient_, CV_16S, 1, 0, 1, 0.5);
-  cv::convertScaleAbs(gradient_, gradient_);
-  cv::boxFilter(gradient_, out.texture, CV_32F, {config_.block_size_px, config_.block_size_px});
+  // Where nothing varies along the row, in one image or the other, every disparity matches.
+  measureTexture(left, out.texture);
   out.least_texture = leastTexture(left);
   cv::compare(out.texture, out.least_texture, keep_, cv::CMP_GE);
+  measureTexture(balanced_right_, right_texture_);
+  rejectBare(kRightTexture * leastTexture(balanced_right_));
   toPixels(matched_fixed_, keep_, out.matched_px);
   level_matcher_.match(left, balanced_right_, out.matched_px, out.level);
   refiner_.refine(left, balanced_right_, out.matched_px, out.thin);
   removeDifference(out.matched_px);
   out.matched_fraction = cv::countNonZero(out.matched_px == out.matched_px) / static_cast<double>(left.total());
+}
+
+void DisparityEstimator::measureTexture(const cv::Mat& image, cv::Mat& texture) {
+  cv::Sobel(image, gradient_, CV_16S, 1, 0, 1, 0.5);
+  cv::convertScaleAbs(gradient_, gradient_);
+  cv::boxFilter(gradient_, texture, CV_32F, {config_.block_size_px, config_.block_size_px});
+}
+
+/// Keeps no match that has less texture in the right image.
+void DisparityEstimator::rejectBare(double least_texture) {
+  for (int v = 0; v < keep_.rows; ++v) {
+    const auto* fixed = matched_fixed_.ptr<std::int16_t>(v);
+    const auto* texture = right_texture_.ptr<float>(v);
+    auto* keep = keep_.ptr<std::uint8_t>(v);
+    for (int u = 0; u < keep_.cols; ++u) {
+      const int at = std::clamp(u - cvFloor(fixed[u] / static_cast<double>(kFixedPoint) + 0.5), 0, keep_.cols - 1);
+      if (texture[at] < least_texture) keep[u] = 0;
+    }
+  }
 }
 
 /// Photon noise falls with the square root of light, and with it what can pass for texture.

@@ -122,6 +122,9 @@ TEST(DisparityEstimator, ACoveredLensGivesNoDisparity) {
   random.fill(frame.right, cv::RNG::NORMAL, 10.0, 1.5);
   estimator.estimate(frame, disparity);
   EXPECT_LT(disparity.matched_fraction, StereoConfig().min_matched_fraction);
+  frame.right.setTo(102);  // every disparity costs the same
+  estimator.estimate(frame, disparity);
+  EXPECT_EQ(disparity.matched_fraction, 0.0);
 }
 
 TEST(DisparityEstimator, RemovesThePrincipalPointDifferenceOnce) {

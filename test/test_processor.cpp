@@ -178,6 +178,11 @@ TEST_F(ProcessorTest, AStampAtTheEndOfTimeIsNoPoseAndEndsNothing) {
   EXPECT_TRUE(transforms.find("left_optical", "range_link", kStart));
 }
 
+TEST_F(ProcessorTest, APoseOfAnotherCenturyIsNoPose) {
+  mount("odom", 0.0, ros::Time(3000000000u, 0));
+  EXPECT_FALSE(transforms.find("left_optical", "odom", kStart));
+}
+
 TEST_F(ProcessorTest, ACalibrationThatJittersHidesNoFrozenCamera) {
   see(kFar_m, kStart, 1);
   for (int i = 1; i < 4; ++i) {

@@ -64,6 +64,8 @@ class DisparityEstimator {
  private:
   void pad(const cv::Mat& image, cv::Mat& padded) const;
   void match(const cv::Mat& left, Disparity& out);
+  void measureTexture(const cv::Mat& image, cv::Mat& texture);
+  void rejectBare(double least_texture);
   double leastTexture(const cv::Mat& image) const;
   void fill(Disparity& out);
   void rejectInvented(Disparity& out);
@@ -85,7 +87,7 @@ class DisparityEstimator {
   cv::Ptr<cv::StereoMatcher> wls_right_matcher_;
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> wls_;
   cv::Mat balanced_right_, left_padded_, right_padded_, left_half_, right_half_;
-  cv::Mat left_fixed_, matched_fixed_, right_fixed_, filtered_fixed_, gradient_, keep_;
+  cv::Mat left_fixed_, matched_fixed_, right_fixed_, filtered_fixed_, gradient_, right_texture_, keep_;
   cv::Mat support_, lowest_, highest_, difference_, weight_;
 };
 

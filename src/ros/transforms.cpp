@@ -2,6 +2,8 @@
 
 #include <ros/console.h>
 
+#include <stdexcept>
+
 namespace flight_corridor_ros {
 
 namespace {
@@ -56,14 +58,14 @@ std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::strin
   if (target == source) return Eigen::Isometry3d::Identity();  // also where tf has never heard of it
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(timeout_s);
   const ros::WallDuration pause(0.001);
-  while (!buffer_.canTransform(target, source, stamp) && ros::WallTime::now() < deadline) pause.sleep();
   try {
+    while (!buffer_.canTransform(target, source, stamp) && ros::WallTime::now() < deadline) pause.sleep();
     const geometry_msgs::Transform pose = buffer_.lookupTransform(target, source, stamp).transform;
     const Eigen::Translation3d position(pose.translation.x, pose.translation.y, pose.translation.z);
     const auto& q = pose.rotation;
     return position *
            Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();  // tf takes squared norms that are off by 1 %
-  } catch (const tf2::TransformException&) {
+  } catch (const std::runtime_error&) {  // tf2's, or ros::Duration's: of a pose more than 68 years from the stamp
     return std::nullopt;
   }
 }
