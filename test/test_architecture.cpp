@@ -26,7 +26,8 @@ std::vector<std::string> rosIncludes(const fs::path& file) {
 
 std::vector<fs::path> coreFiles() {
   std::vector<fs::path> files;
-  for (const char* folder : {"include/flight_corridor", "src", "src/sim"}) {
+  for (const char* folder :
+       {"include/flight_corridor", "include/flight_corridor/stereo", "src", "src/stereo", "src/sim"}) {
     for (const auto& entry : fs::directory_iterator(kSource / folder)) {
       if (entry.is_regular_file()) files.push_back(entry.path());
     }

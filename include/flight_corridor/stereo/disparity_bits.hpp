@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+namespace flight_corridor {
+
+/// Sets of disparities as bits: disparity d is bit d % 64 of word d / 64.
+
+/// Calls what is compiled for each number of words, 1 to 4, with the number as a constant.
+template <class Function>
+void withWords(int words, const Function& function) {
+  switch (words) {
+    case 1:
+      return function(std::integral_constant<int, 1>());
+    case 2:
+      return function(std::integral_constant<int, 2>());
+    case 3:
+      return function(std::integral_constant<int, 3>());
+    default:
+      return function(std::integral_constant<int, 4>());
+  }
+}
+
+/// Place of the lowest bit of a word that is not 0.
+inline int lowestBit(std::uint64_t word) { return __builtin_ctzll(word); }
+/// Place of the highest bit of a word that is not 0.
+inline int highestBit(std::uint64_t word) { return 63 - __builtin_clzll(word); }
+
+/// The bits of a word whose place in the set is at least `place`.
+inline std::uint64_t bitsFrom(std::uint64_t bits, int word, int place) {
+  const int skipped = place - 64 * word;
+  if (skipped >= 64) return 0;
+  return skipped > 0 ? bits >> skipped << skipped : bits;
+}
+
+/// The bits of a word whose place in the set is at most `place`.
+inline std::uint64_t bitsTo(std::uint64_t bits, int word, int place) {
+  const int skipped = 63 - (place - 64 * word);
+  if (skipped >= 64) return 0;
+  return skipped > 0 ? bits << skipped >> skipped : bits;
+}
+
+/// The first bit that is not before a place; 64 * words where there is none.
+inline int firstBitFrom(const std::uint64_t* set, int words, int place) {
+  int first = 64 * words;
+  for (int word = words - 1; word >= 0; --word) {
+    const std::uint64_t bits = bitsFrom(set[word], word, place);
+    if (bits != 0) first = 64 * word + lowestBit(bits);
+  }
+  return first;
+}
+
+/// The last bit that is not behind a place; -1 where there is none.
+inline int lastBitTo(const std::uint64_t* set, int words, int place) {
+  int last = -1;
+  for (int word = 0; word < words; ++word) {
+    const std::uint64_t bits = bitsTo(set[word], word, place);
+    if (bits != 0) last = 64 * word + highestBit(bits);
+  }
+  return last;
+}
+
+inline int firstBit(const std::uint64_t* set, int words) { return firstBitFrom(set, words, 0); }
+inline int lastBit(const std::uint64_t* set, int words) { return lastBitTo(set, words, 64 * words - 1); }
+
+}  // namespace flight_corridor

@@ -1,0 +1,48 @@
+#include "flight_corridor/stereo/band_workers.hpp"
+
+namespace flight_corridor {
+
+BandWorkers::BandWorkers(int threads) {
+  for (int thread = 1; thread < threads; ++thread) threads_.emplace_back([this, thread] { work(thread); });
+}
+
+BandWorkers::~BandWorkers() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  begin_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void BandWorkers::runErased(int parts, void* job, Call call) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  job_ = job;
+  call_ = call;
+  parts_ = unfinished_ = parts;
+  next_ = 0;
+  begin_.notify_all();
+  takeParts(lock, 0);
+  end_.wait(lock, [this] { return unfinished_ == 0; });
+}
+
+void BandWorkers::work(int thread) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    begin_.wait(lock, [this] { return stop_ || next_ < parts_; });
+    if (stop_) return;
+    takeParts(lock, thread);
+  }
+}
+
+void BandWorkers::takeParts(std::unique_lock<std::mutex>& lock, int thread) {
+  while (next_ < parts_) {
+    const int part = next_++;
+    lock.unlock();
+    call_(job_, part, thread);
+    lock.lock();
+    if (--unfinished_ == 0) end_.notify_one();
+  }
+}
+
+}  // namespace flight_corridor

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "flight_corridor/stereo/cost_minima.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const cv::Size kSize(200, 90);
+constexpr int kDisparities = 64;
+
+StereoGeometry geometry(double difference_px) {
+  return StereoGeometry({kSize, 200.0, 200.0, 100.0, 45.0, 100.0 - difference_px, 0.1});
+}
+
+/// Noise, moved by what u_l - u_r is.
+StereoFrame shifted(int shift_px) {
+  StereoFrame frame;
+  cv::Mat wide(kSize.height, kSize.width + 200, CV_8UC1);
+  cv::RNG(1).fill(wide, cv::RNG::UNIFORM, 0, 256);
+  frame.left = wide(cv::Rect({100, 0}, kSize));
+  frame.right = wide(cv::Rect({100 + shift_px, 0}, kSize));
+  return frame;
+}
+
+TEST(EvidenceMatcher, TakesThePrincipalPointDifferenceOff) {
+  constexpr int kTruth_px = 21;
+  for (const int difference_px : {0, 13, -40}) {
+    EvidenceMatcher matcher(geometry(difference_px), kDisparities, 1);
+    DisparityEvidence evidence;
+    matcher.match(shifted(kTruth_px + difference_px), evidence);
+    for (int v = 5; v < kSize.height - 5; ++v) {
+      for (int u = 45; u < kSize.width - 45; ++u) {
+        ASSERT_NEAR(evidence.best_px.at<float>(v, u), kTruth_px, 0.25) << difference_px << ": " << u << " " << v;
+        ASSERT_LE(evidence.farthest_px.at<float>(v, u), kTruth_px);
+        ASSERT_GE(evidence.nearest_px.at<float>(v, u), kTruth_px);
+        ASSERT_TRUE(evidence.flags.at<std::uint8_t>(v, u) & kConsistent);
+      }
+    }
+  }
+}
+
+TEST(EvidenceMatcher, HasNoMatchBehindInfinity) {
+  EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
+  DisparityEvidence evidence;
+  matcher.match(shifted(-2), evidence);
+  const cv::Mat seen_px = evidence.best_px.colRange(10, kSize.width - 10);  // in both images, the census's window too
+  EXPECT_EQ(cv::countNonZero(seen_px == seen_px), 0);
+  matcher.match(shifted(0), evidence);
+  EXPECT_GT(evidence.best_px.at<float>(40, 100), 0.0f);  // as far as can be told
+}
+
+TEST(EvidenceMatcher, KeepsTheSetThatTheBoundsBelongTo) {
+  EvidenceMatcher matcher(geometry(0.5), kDisparities, 2);
+  DisparityEvidence evidence;
+  matcher.match(shifted(20), evidence);
+  const auto inSet = [&](int u, int v, float disparity_px) {
+    const int bit = static_cast<int>(std::lround(disparity_px - matcher.firstDisparity()));
+    return evidence.set.ptr(v, u)[bit / 8] >> bit % 8 & 1;
+  };
+  for (int v = 0; v < kSize.height; ++v) {
+    for (int u = 0; u < kSize.width; ++u) {
+      const float farthest_px = evidence.farthest_px.at<float>(v, u), nearest_px = evidence.nearest_px.at<float>(v, u);
+      ASSERT_LT(farthest_px, nearest_px);
+      ASSERT_TRUE(inSet(u, v, farthest_px + kBoundSlack_px) && inSet(u, v, nearest_px - kBoundSlack_px))
+          << u << " " << v;
+    }
+  }
+}
+
+TEST(EvidenceMatcher, ReusesItsOutputs) {
+  EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
+  DisparityEvidence evidence;
+  matcher.match(shifted(10), evidence);
+  const void* const memory = evidence.best_px.data;
+  matcher.match(shifted(12), evidence);
+  EXPECT_EQ(evidence.best_px.data, memory);
+}
+
+TEST(EvidenceMatcher, RefusesTheImpossible) {
+  EXPECT_THROW(EvidenceMatcher(geometry(0.0), 100, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace flight_corridor

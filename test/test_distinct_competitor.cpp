@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include "flight_corridor/stereo/distinct_competitor.hpp"
+#include "support/matcher_cases.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using namespace matcher_cases;
+
+constexpr MatcherSize kSize{200, 3, 0, 96};
+constexpr int kMiddle_u = 150, kWinner = 30;
+
+/// Cost by disparity, of all pixels alike.
+struct Curve {
+  explicit Curve(int cost) : costs(kSize.num_disparities, cost) {}
+  std::vector<int> costs;
+};
+
+struct Found {
+  int flags = 0, farthest = 0, nearest = 0;
+};
+
+Found find(const Curve& curve) {
+  const int stored = storedDisparities(kSize.num_disparities);
+  AlignedBytes row(static_cast<std::size_t>(kSize.width_px) * stored);
+  for (int u = 0; u < kSize.width_px; ++u) {
+    for (int d = 0; d < stored; ++d) {
+      row.data()[u * stored + d] =
+          d < kSize.num_disparities ? static_cast<std::uint8_t>(curve.costs[d]) : kNoDisparityCost;
+    }
+  }
+  const std::vector<std::uint8_t> winner(kSize.width_px, kWinner);
+  std::vector<std::uint8_t> farthest(kSize.width_px), nearest(kSize.width_px), flags(kSize.width_px);
+  DistinctCompetitor(kSize.width_px, kSize.min_disparity_px, kSize.num_disparities)
+      .find({row.data(), row.data(), row.data()}, winner.data(), {farthest.data(), nearest.data(), flags.data()});
+  return {flags[kMiddle_u], farthest[kMiddle_u], nearest[kMiddle_u]};
+}
+
+TEST(DistinctCompetitor, IsAsGoodAndBehindABarrier) {
+  Curve curve(8);
+  curve.costs[kWinner] = curve.costs[10] = curve.costs[70] = 2;
+  const Found found = find(curve);
+  EXPECT_EQ(found.flags, kCompetitor);
+  EXPECT_EQ(found.farthest, 10);
+  EXPECT_EQ(found.nearest, 70);
+}
+
+TEST(DistinctCompetitor, MayBeOnOneSideOnly) {
+  Curve curve(8);
+  curve.costs[kWinner] = curve.costs[70] = curve.costs[80] = 2;
+  const Found found = find(curve);
+  EXPECT_EQ(found.flags, kCompetitor);
+  EXPECT_EQ(found.farthest, 70);
+  EXPECT_EQ(found.nearest, 80);
+}
+
+TEST(DistinctCompetitor, IsNotAWorseOne) {
+  Curve curve(8);
+  curve.costs[kWinner] = 2;
+  curve.costs[70] = 3;  // ten tenths of a bit worse
+  EXPECT_EQ(find(curve).flags, 0);
+}
+
+TEST(DistinctCompetitor, IsNotTheSameValleyWithoutABarrier) {
+  Curve curve(4);  // 2 bits above
+  curve.costs[kWinner] = curve.costs[70] = 2;
+  EXPECT_EQ(find(curve).flags, 0);
+}
+
+TEST(DistinctCompetitor, EqualsTheSlowOne) {
+  for (const MatcherSize& size : sizes()) {
+    const Pair pair = makePair(Scene::Stripes, size, 9);
+    EXPECT_EQ(firstDifference(matched(pair, size, 1), matchedSlowly(pair, size)), "") << describe(Scene::Stripes, size);
+  }
+}
+
+}  // namespace
+}  // namespace flight_corridor
