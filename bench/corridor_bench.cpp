@@ -44,7 +44,7 @@ void BM_Corridor(benchmark::State& state) {
   const sim::Simulation simulation = simulationOf(kScenes[state.range(0)]);
   const Eigen::Isometry3d T_M_C = pose(state.range(2) != 0);
   const octomap::OcTree map = mapOf(simulation, 1e-3 * static_cast<double>(state.range(1)), T_M_C);
-  const DisparityEstimator estimator(StereoConfig(), StereoGeometry(simulation.calibration()));
+  const DisparityEstimator estimator(StereoConfig(), StereoGeometry(simulation.calibration()), 0.0);
   const Corridor corridor((CorridorConfig()));
   for (auto _ : state) {
     const ConvexRegion observable_M = T_M_C.inverse().matrix().transpose() * estimator.observable();

@@ -93,7 +93,7 @@ Flight fly(const std::string& scene) {
   for (std::size_t i = middle; i < middle + kFlown; ++i) {
     pipeline.process(simulation.frame(i));
     const Eigen::Isometry3d T_W_C = simulation.T_W_B(simulation.frameTimes()[i]) * simulation.T_B_C();
-    flight.views.push_back(makeView(pipeline.depth().filled_m, flight.geometry, T_W_C));
+    flight.views.push_back(makeView(pipeline.depth(), flight.geometry, T_W_C));
   }
   return flight;
 }

@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kDisparities = 128;
 
-/// OpenCV's matcher, padded as src/disparity_estimator.cpp does.
+/// OpenCV's matcher, padded as stereo/opencv_matcher.cpp does.
 class OpenCvMatcher {
  public:
   explicit OpenCvMatcher(double difference_px)

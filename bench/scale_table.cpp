@@ -99,7 +99,7 @@ void fly(const Fault& fault, std::uint64_t seed, std::array<Errors, kModelNames.
     const cv::Mat truth_m = judged ? simulation.depth(i) : cv::Mat();
     for (std::size_t model = 0; model < pipelines.size(); ++model) {
       pipelines[model].process(frame);
-      if (judged) collect(pipelines[model].depth().matched_m, truth_m, errors[model]);
+      if (judged) collect(pipelines[model].depth(), truth_m, errors[model]);
     }
   }
 }

@@ -11,7 +11,7 @@ void CellCounts::clear() {
 
 CellCounts::Cube& CellCounts::append(std::uint32_t key, std::uint32_t& place) {
   place = static_cast<std::uint32_t>(cubes_.size());
-  cubes_.push_back({key, {}, {}});
+  cubes_.push_back({key, {}});
   if (2 * cubes_.size() > places_.size()) grow();
   return cubes_.back();
 }

@@ -21,18 +21,13 @@ CloudBuilder::CloudBuilder(const CloudConfig& config, const StereoGeometry& geom
   throwIfBroken(check(config));
 }
 
-void CloudBuilder::depth(const Disparity& disparity, const ScaleCorrection& correction, DepthImages& out) const {
-  const auto convert = [&](const cv::Mat& disparity_px, cv::Mat& depth_m) {
-    depth_m.create(disparity_px.size(), CV_32FC1);
-    for (int v = 0; v < depth_m.rows; ++v) {
-      const auto* from = disparity_px.ptr<float>(v);
-      auto* to = depth_m.ptr<float>(v);
-      for (int u = 0; u < depth_m.cols; ++u) to[u] = static_cast<float>(geometry_.depth(correction.correct(from[u])));
-    }
-  };
-  convert(disparity.matched_px, out.matched_m);
-  convert(disparity.filtered_px, out.filled_m);
-  out.matched_m.copyTo(out.filled_m, out.matched_m == out.matched_m);
+void CloudBuilder::depth(const cv::Mat& disparity_px, const ScaleCorrection& correction, cv::Mat& depth_m) const {
+  depth_m.create(disparity_px.size(), CV_32FC1);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const auto* from = disparity_px.ptr<float>(v);
+    auto* to = depth_m.ptr<float>(v);
+    for (int u = 0; u < depth_m.cols; ++u) to[u] = static_cast<float>(geometry_.depth(correction.correct(from[u])));
+  }
 }
 
 void CloudBuilder::cloud(const cv::Mat& depth_m, const cv::Mat& left, double voxel_m, Cloud& out) {

@@ -196,8 +196,8 @@ Violations check(const CorridorConfig& config) {
                 config.blind_m);
   rules.require(0.0 <= config.max_unknown_fraction && config.max_unknown_fraction <= 1.0, "max_unknown_fraction",
                 "0 to 1", config.max_unknown_fraction);
-  rules.require(0.0 <= config.max_unmatched_fraction && config.max_unmatched_fraction <= 1.0, "max_unmatched_fraction",
-                "0 to 1", config.max_unmatched_fraction);
+  rules.require(0.0 <= config.smallest_obstacle_m && config.smallest_obstacle_m <= 1.0, "smallest_obstacle_m", "0 to 1",
+                config.smallest_obstacle_m);
   rules.require(0.0 <= config.hold_s && config.hold_s <= 10.0, "hold_s", "0 to 10", config.hold_s);
   rules.require(config.max_age_s > 0.0, "max_age_s", "positive", config.max_age_s);
   return rules.broken();
@@ -231,8 +231,8 @@ CorridorOccupancy Corridor::inspect(const octomap::OcTree& tree, const Box& box,
   const bool shows_end = static_cast<double>(end_in_view.all) >= kEndInView * static_cast<double>(end.all);
   CorridorOccupancy occupancy;
   occupancy.clear_distance_m = NearestObstacle(tree, box, begin).clearDistance();
-  occupancy.unknown_fraction = unknownFraction(cellsIn(tree, box, intersection(needed_M, nearer_M)) +
-                                               (shows_end ? end_in_view : end));
+  occupancy.unknown_fraction =
+      unknownFraction(cellsIn(tree, box, intersection(needed_M, nearer_M)) + (shows_end ? end_in_view : end));
   return occupancy;
 }
 

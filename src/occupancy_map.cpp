@@ -41,9 +41,9 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
 /// Points are counted while free space is found, after it where there is no thread to be had; what the tree is told
 /// does not depend on which ends first. Counting calls nothing that works on OpenCV's threads: what those keep for each
 /// caller's thread stays when it ends.
-void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears, const cv::Mat& thin) {
+void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
   std::future<void> counted =
-      std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, thin, T_M_C); });
+      std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, T_M_C); });
   static const std::vector<FreeSpace::Families> kNone;
   const std::vector<FreeSpace::Families>& free = clears ? free_space_.find(depth_m, T_M_C) : kNone;
   counted.get();
@@ -71,8 +71,8 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
       hits |= static_cast<unsigned>(is_hit) << i;
       if (cube.counts[i] == 0) continue;
       const Eigen::Vector3d centre_M = middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>();
-      const std::uint32_t thin = cube.thin_counts[i], points = cube.counts[i];
-      seen_.push_back({centre_M, depth_m, points, hit_rule_.face(points, depth_m), is_hit, 2 * thin >= points});
+      const std::uint32_t points = cube.counts[i];
+      seen_.push_back({centre_M, depth_m, points, hit_rule_.face(points, depth_m), is_hit});
     }
     if (hits == 0 || (key < 0).any() || (key > EvidenceTree::kLastKey).any()) continue;
     const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();
@@ -81,25 +81,8 @@ void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
 }
 
 bool OccupancyMap::showsOutline(const Box& box_M) const {
-  std::unordered_map<std::uint64_t, const Seen*> near;  // by cell: those in the box and beside it
-  for (const Seen& seen : seen_) {
-    if (!intersects(box_M, seen.centre_M, 2.0 * config_.resolution_m)) continue;
-    near[packed(tree_.coordToKey(toOctomap(seen.centre_M)))] = &seen;
-  }
-  const auto isFewInBox = [&](const Seen& cell) { return !cell.is_hit && contains(box_M, cell.centre_M); };
-  const auto isOutline = [&](const Seen& cell) { return hit_rule_.isOutline(cell.points, cell.depth_m); };
-  return std::any_of(near.begin(), near.end(), [&](const auto& place) {
-    const auto& [key, cell] = place;
-    if (!isFewInBox(*cell)) return false;
-    bool is_beside = false;
-    std::uint32_t points = 0;
-    for (std::uint64_t i = 0; i < 27; ++i) {
-      const auto other = near.find(key + packed(i % 3, i / 3 % 3, i / 9) - packed(1, 1, 1));
-      if (other == near.end()) continue;
-      if (isFewInBox(*other->second)) points += other->second->points;
-      is_beside |= other->second != cell && (other->second->is_hit || isOutline(*other->second));
-    }
-    return (is_beside && isOutline(*cell)) || hit_rule_.isScattered(points, cell->depth_m);
+  return std::any_of(seen_.begin(), seen_.end(), [&](const Seen& cell) {
+    return !cell.is_hit && hit_rule_.isUncertain(cell.points, cell.depth_m) && contains(box_M, cell.centre_M);
   });
 }
 

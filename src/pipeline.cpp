@@ -7,11 +7,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "flight_corridor/ambiguous_texture.hpp"
+#include "flight_corridor/corridor/railing.hpp"
 #include "flight_corridor/cross_sections.hpp"
-#include "flight_corridor/grazing_things.hpp"
-#include "flight_corridor/hidden_things.hpp"
-#include "flight_corridor/thin_things.hpp"
+#include "flight_corridor/view/fill.hpp"
 
 namespace flight_corridor {
 
@@ -63,12 +61,14 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
     : config_(valid(config)),
       geometry_(geometry),
       rig_(rig),
-      disparity_estimator_(config.stereo, geometry),
+      disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config, geometry, rig.T_C_L),
       cloud_builder_(config.cloud, geometry),
       map_(config.map, geometry, nearestDepth()),
       corridor_(config.corridor),
-      recent_block_(config.corridor.hold_s, config.map.resolution_m) {
+      recent_block_(config.corridor.hold_s, config.map.resolution_m),
+      box_view_(geometry),
+      doubt_(geometry, disparity_estimator_.firstDisparity(), config.corridor.smallest_obstacle_m) {
   requireSight(config.corridor, geometry, nearestDepth());
   if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry, nearestDepth());
 }
@@ -95,13 +95,11 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
-    cloud_builder_.depth(disparity_, range_tracker_.scale(), depth_);
+    cloud_builder_.depth(disparity_.best_px, range_tracker_.scale(), depth_m_);
   }
   {
     const Stopwatch stage(report_.times.map_ms);
-    const UnmatchedTexture texture = unmatchedTexture(boxInCamera());
-    texture.fill(depth_);
-    doubts_ = doubts(boxInCamera(), texture);
+    doubts_ = doubts(boxInCamera(), box_view_, doubt_);
     report_.clears = isTrusted();
     updateMap();
   }
@@ -130,7 +128,7 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
 
 void Pipeline::trackRange() {
   TrackedRange& tracked = report_;
-  tracked = range_tracker_.update(report_.verdict.stamp_s, disparity_);
+  tracked = range_tracker_.update(report_.verdict.stamp_s, disparity_.best_px);
   static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
@@ -145,9 +143,9 @@ void Pipeline::updateMap() {
   } else {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
     frame_map_->clear();
-    frame_map_->insert(depth_.filled_m, Eigen::Isometry3d::Identity(), report_.clears, disparity_.thin);
+    frame_map_->insert(depth_m_, Eigen::Isometry3d::Identity(), report_.clears);
   }
-  map_.insert(depth_.filled_m, T_M_C_, report_.clears, disparity_.thin);
+  map_.insert(depth_m_, T_M_C_, report_.clears);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));
@@ -160,7 +158,7 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_.filled_m, report_.scale_sigma, T_M_C, box);
+    SurfaceInBox surface(config_.map, geometry_, depth_m_, report_.scale_sigma, T_M_C, box);
     return corridor_.inspect(
         map.tree(), box, T_M_C.translation(), observable,
         [&](const Eigen::Vector3d& cell_centre, double near_m) { return surface.begin(cell_centre, near_m); });
@@ -198,13 +196,7 @@ std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box&
   if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
   if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
   if (reasons & kOccupiedCell) return reasons;
-  const Box box_C = inCamera(box_M);
-  const double band_px = config_.map.hit_band_px;
-  if (map_.showsOutline(box_M) || mayHideThing(box_C, depth_, disparity_, geometry_) ||
-      mayHoldThinThing(box_C, depth_.matched_m, disparity_, geometry_, band_px) ||
-      mayBeGrazed(box_C, depth_.filled_m, geometry_, band_px)) {
-    reasons |= kOutline;
-  }
+  if (map_.showsOutline(box_M)) reasons |= kOutline;
   return reasons;
 }
 
@@ -213,24 +205,16 @@ State Pipeline::state(std::uint32_t reasons) const {
   return state == State::Free && report_.lidar_is_nearer ? State::Unknown : state;
 }
 
-UnmatchedTexture Pipeline::unmatchedTexture(const Box& box_C) const {
-  return {geometry_, pair_, disparity_, depth_.matched_m, nearestDepth(), box_C, toldDepth(box_C)};
-}
-
-/// Why the newest pair's matches are not enough to call a box free, by what is seen where the box is.
-std::uint32_t Pipeline::doubts(const Box& box_C, const UnmatchedTexture& texture) const {
-  const cv::Mat is_matched = depth_.matched_m == depth_.matched_m;
-  double least = disparity_.matched_fraction;
-  for (const cv::Rect& section : crossSections(box_C, geometry_)) {
-    least = std::min(least, cv::countNonZero(is_matched(section)) / static_cast<double>(section.area()));
-  }
-  std::uint32_t reasons = 0;
-  if (!(least >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
+/// Why the newest pair's matches are not enough to call a box free.
+std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) const {
   const bool is_told = !std::isnan(toldDepth(box_C));
-  const bool is_ambiguous =
-      (!is_told && hasAmbiguousTexture(box_C, pair_, depth_.filled_m, nearestDepth(), geometry_)) ||
-      mayBeRailing(box_C, pair_, disparity_, depth_.filled_m, nearestDepth(), is_told, geometry_);
-  if (is_ambiguous || !(texture.share() <= config_.corridor.max_unmatched_fraction)) reasons |= kUnmatched;
+  view.look(box_C, config_.corridor.blind_m);
+  std::uint32_t reasons = 0;
+  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
+  if (doubt.isIn(view, disparity_, range_tracker_.scale(), is_told) ||
+      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_told, geometry_)) {
+    reasons |= kUnmatched;
+  }
   return reasons;
 }
 
@@ -244,9 +228,16 @@ double Pipeline::toldDepth(const Box& box_C) const {
   return tells ? met_C.z() : kNaN;
 }
 
-cv::Mat Pipeline::unmatched() const {
-  if (depth_.matched_m.empty()) return cv::Mat::zeros(geometry_.size(), CV_32FC1);
-  return unmatchedTexture(boxInCamera()).image();
+cv::Mat Pipeline::filledDisparity() const {
+  cv::Mat filled_px;
+  fillDisparity(pair_.left, disparity_.best_px, filled_px);
+  return filled_px;
+}
+
+cv::Mat Pipeline::filledDepth() const {
+  cv::Mat filled_m;
+  cloud_builder_.depth(filledDisparity(), range_tracker_.scale(), filled_m);
+  return filled_m;
 }
 
 Verdict Pipeline::query(const Box& box) const {
@@ -259,8 +250,10 @@ Verdict Pipeline::query(const Box& box) const {
 
   verdict.reasons = reasonsOf(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
-  if (stateOf(verdict.reasons) != State::Blocked && !depth_.matched_m.empty()) {
-    verdict.reasons |= doubts(inCamera(box), unmatchedTexture(inCamera(box)));
+  if (stateOf(verdict.reasons) != State::Blocked && !depth_m_.empty()) {
+    BoxView view(geometry_);
+    Doubt doubt(geometry_, disparity_estimator_.firstDisparity(), config_.corridor.smallest_obstacle_m);
+    verdict.reasons |= doubts(inCamera(box), view, doubt);
   }
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
   verdict.state = state(verdict.reasons);
@@ -285,7 +278,7 @@ std::optional<double> Pipeline::beamEndInBox() const {
 
 const Cloud& Pipeline::cloud() {
   if (!cloud_is_current_ && !pair_.left.empty()) {
-    cloud_builder_.cloud(depth_.filled_m, pair_.left, config_.map.resolution_m, cloud_);
+    cloud_builder_.cloud(depth_m_, pair_.left, config_.map.resolution_m, cloud_);
     cloud_is_current_ = true;
   }
   return cloud_;

@@ -13,9 +13,8 @@ namespace {
 constexpr unsigned kWindowBits = 10;  // of a cell's place on one axis of the window
 constexpr int kWindowCells = 1 << kWindowBits;
 constexpr std::uint32_t kNoCell = ~std::uint32_t{0};
-constexpr std::uint32_t kThin = 1u << 3 * kWindowBits;  // beside a cell: its points are thin
-constexpr std::uint32_t kParent =                       // of a cell: its parent's lowest
-    ~(1u | 1u << kWindowBits | 1u << 2 * kWindowBits | kThin);
+constexpr std::uint32_t kParent =  // of a cell: its parent's lowest
+    ~(1u | 1u << kWindowBits | 1u << 2 * kWindowBits);
 
 /// Which child of its parent a cell of the window is.
 unsigned childOfParent(std::uint32_t cell) {
@@ -25,7 +24,7 @@ unsigned childOfParent(std::uint32_t cell) {
 }  // namespace
 
 PointCounter::PointCounter(const MapConfig& config, const StereoGeometry& geometry)
-    : config_(config), geometry_(geometry), not_thin_(static_cast<std::size_t>(geometry.size().width), 0) {
+    : config_(config), geometry_(geometry) {
   const cv::Size size = geometry.size();
   double longest_ray = 0.0;
   for (const int u : {0, size.width - 1}) {
@@ -40,21 +39,20 @@ PointCounter::PointCounter(const MapConfig& config, const StereoGeometry& geomet
 }
 
 /// Neighbouring pixels mostly fall into one cell: runs of them are counted together.
-void PointCounter::count(const cv::Mat& depth_m, const cv::Mat& thin, const Eigen::Isometry3d& T_M_C) {
+void PointCounter::count(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
   points_.clear();
   const Eigen::Array3d camera_key =
       T_M_C.cast<float>().translation().cast<double>().array() / config_.resolution_m + EvidenceTree::kKeyOrigin;
   if (!(camera_key >= 0.0).all() || !(camera_key <= EvidenceTree::kLastKey).all()) return;
   window_key_ = (0.5 * camera_key).floor().cast<int>() * 2 - kWindowCells / 2;  // even: where a parent begins
   for (int v = 0; v < depth_m.rows; ++v) {
-    findCells(depth_m.ptr<float>(v), thin.empty() ? not_thin_.data() : thin.ptr<std::uint8_t>(v), v,
-              T_M_C.cast<float>());
+    findCells(depth_m.ptr<float>(v), v, T_M_C.cast<float>());
     findRuns();
     int begin = 0;
     for (const int end : run_ends_) {
       const std::uint32_t cell = row_cells_[begin];
       const auto points = static_cast<std::uint32_t>(end - begin);
-      if (cell != kNoCell) points_.add(cell & kParent, childOfParent(cell), points, cell & kThin);
+      if (cell != kNoCell) points_.add(cell & kParent, childOfParent(cell), points);
       begin = end;
     }
   }
@@ -75,8 +73,7 @@ void PointCounter::findRuns() {
 }
 
 /// Cells of a row's points, in a plain loop over local values that the compiler reckons several at once.
-FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const std::uint8_t* thin, int v,
-                                                  const Eigen::Isometry3f& T_M_C) {
+FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C) {
   const int width = geometry_.size().width;
   row_cells_.resize(width);
   std::uint32_t* cells = row_cells_.data();
@@ -101,8 +98,7 @@ FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, const st
     const auto y = static_cast<int>((first_y + step_y * column) * inside_m + origin_y);
     const auto z = static_cast<int>((first_z + step_z * column) * inside_m + origin_z);
     const auto place = static_cast<std::uint32_t>(x | y << kWindowBits | z << 2 * kWindowBits);
-    const std::uint32_t cell = place | (thin[u] != 0 ? kThin : 0);
-    cells[u] = cell | -static_cast<std::uint32_t>(!(hit_m <= max_range_m));
+    cells[u] = place | -static_cast<std::uint32_t>(!(hit_m <= max_range_m));
   }
 }
 

@@ -7,7 +7,6 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFillSigma_px = 0.3;      // of a filtered disparity: at half size, not refined
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
@@ -64,19 +63,14 @@ void RangeTracker::fuse(const RangeReading& reading) {
   counts_.lidar_gated += outcome == Outcome::Gated;
 }
 
-TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
+TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
   fuseReadings(stamp_s);
   TrackedRange tracked;
   const RangeEstimate expected = fusion_.at(stamp_s);
-  auto stereo = beam_.read(disparity.matched_px, expected.range_m, lidar_.beamWidth());
-  if (stereo) {
-    learnScale(stamp_s, *stereo, expected);
-  } else {
-    stereo = beam_.read(disparity.filtered_px, expected.range_m, lidar_.beamWidth());
-    if (stereo) stereo->disparity_sigma_px = std::hypot(stereo->disparity_sigma_px, kFillSigma_px);
-  }
+  const auto stereo = beam_.read(disparity_px, expected.range_m, lidar_.beamWidth());
   double reference_px = geometry_.disparity(kReferenceDepth_m);
   if (stereo) {
+    learnScale(stamp_s, *stereo, expected);
     reference_px = stereo->disparity_px;
     tracked.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
     tracked.stereo_outcome = fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo));
@@ -88,8 +82,7 @@ TrackedRange RangeTracker::update(double stamp_s, const Disparity& disparity) {
   tracked.lidar_tells =
       lidar_.hasTold(stamp_s, fusion_config_.max_gap_s) && !lidar_.isSlow(stamp_s) && !lidar_disagrees;
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
-  const bool is_contradicted =
-      tracked.range.stereo_disagrees && !isShownBeside(tracked.range.range_m, disparity.matched_px);
+  const bool is_contradicted = tracked.range.stereo_disagrees && !isShownBeside(tracked.range.range_m, disparity_px);
   tracked.lidar_is_nearer = is_contradicted || too_close;
   tracked.scale = scale_.scale(reference_px);
   tracked.scale_sigma = scale_.sigma(reference_px);

@@ -88,10 +88,9 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
   middle.size_m = (box.size_m - kEdge_m * Eigen::Vector3d(1.0, 2.0, 2.0)).cwiseMax(0.0);
 
   blocked_s_ = verdict.stamp_s;
-  Cells hits = hitsIn(newest, box, reach());  // how large a thing is does not end where the box does
-  const auto thin = std::partition(hits.begin(), hits.end(), [](const Seen& cell) { return !cell.is_thin; });
-  Cells large, small(thin, hits.end());
-  for (const Cells& group : groupsOf({hits.begin(), thin}, cell_m_)) {
+  const Cells hits = hitsIn(newest, box, reach());  // how large a thing is does not end where the box does
+  Cells large, small;
+  for (const Cells& group : groupsOf(hits, cell_m_)) {
     const bool is_large = isLarge(group, cell_m_);
     Cells& kind = is_large ? large : small;
     kind.insert(kind.end(), group.begin(), group.end());
@@ -104,7 +103,7 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
 
   const auto is_missable = [&](const Seen& cell) {
     return is_in_box(cell) && std::none_of(large.begin(), large.end(), [&](const Seen& other) {
-             return touch(cell, other, cell_m_) || (!cell.is_thin && isBehindOutline(cell, other, cell_m_));
+             return touch(cell, other, cell_m_) || isBehindOutline(cell, other, cell_m_);
            });
   };
   const auto is_shown = [&](double begin_m) {  // by one and a half cells: the map may have another grid

@@ -13,31 +13,27 @@ TEST(CellCounts, AgreesWithAMapAcrossGrowthAndClearing) {
   CellCounts counts;
   for (const int cells : {10, 5000, 300}) {
     counts.clear();
-    std::map<std::uint32_t, std::uint32_t> expected, expected_thin;
+    std::map<std::uint32_t, std::uint32_t> expected;
     for (int i = 0; i < 4 * cells; ++i) {
       const auto cell = static_cast<std::uint32_t>(random() % cells << (random() % 2 * 17));  // clustered and scattered
       const auto count = static_cast<std::uint32_t>(1 + random() % 7);
-      const bool is_thin = random() % 3 == 0;
-      counts.add(cell / 8, cell % 8, count, is_thin);
+      counts.add(cell / 8, cell % 8, count);
       expected[cell] += count;
-      if (is_thin) expected_thin[cell] += count;
     }
-    std::map<std::uint32_t, std::uint32_t> found, found_thin;
+    std::map<std::uint32_t, std::uint32_t> found;
     for (const CellCounts::Cube& cube : counts.cubes()) {
       for (std::uint32_t cell = 0; cell < 8; ++cell) {
-        if (cube.thin_counts[cell] != 0) found_thin[8 * cube.key + cell] = cube.thin_counts[cell];
         if (cube.counts[cell] == 0) continue;
         EXPECT_TRUE(found.emplace(8 * cube.key + cell, cube.counts[cell]).second) << cube.key;
       }
     }
     EXPECT_EQ(found, expected);
-    EXPECT_EQ(found_thin, expected_thin);
   }
 }
 
 TEST(CellCounts, KeepsTheOrderInWhichCubesCame) {
   CellCounts counts;
-  for (const std::uint32_t cube : {7u, 3u, 7u, 5u}) counts.add(cube, 0, 1, false);
+  for (const std::uint32_t cube : {7u, 3u, 7u, 5u}) counts.add(cube, 0, 1);
   std::vector<std::uint32_t> cubes;
   for (const CellCounts::Cube& cube : counts.cubes()) cubes.push_back(cube.key);
   EXPECT_EQ(cubes, (std::vector<std::uint32_t>{7, 3, 5}));

@@ -12,7 +12,7 @@ TEST(Config, DefaultsBreakNoRule) { EXPECT_TRUE(check(Config()).empty()); }
 TEST(Config, EveryBrokenRuleIsReportedAtOnceWithKeyAndValue) {
   Config config;
   config.corridor.width_m = -1.0;
-  config.stereo.block_size_px = 4;
+  config.stereo.opencv.block_size_px = 4;
   config.map.resolution_m = kNaN;
   try {
     throwIfBroken(check(config));

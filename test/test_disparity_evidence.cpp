@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "flight_corridor/stereo/cost_minima.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
@@ -72,6 +73,38 @@ TEST(EvidenceMatcher, KeepsTheSetThatTheBoundsBelongTo) {
   }
 }
 
+/// Fraction of a map's pixels, 4 px from its borders and where all disparities are seen.
+double inside(const cv::Mat& pixels) {
+  const cv::Mat seen = pixels(cv::Rect({kDisparities + 4, 4}, cv::Point(kSize.width - 4, kSize.height - 4)));
+  return cv::countNonZero(seen) / static_cast<double>(seen.total());
+}
+
+double matched(const DisparityEvidence& evidence) {
+  return cv::countNonZero(evidence.best_px == evidence.best_px) / static_cast<double>(kSize.area());
+}
+
+cv::Mat distinct(const DisparityEvidence& evidence) { return (evidence.flags & kDistinct) != 0; }
+
+DisparityEvidence evidenceOf(const StereoFrame& frame) {
+  DisparityEvidence evidence;
+  EvidenceMatcher(geometry(0.0), kDisparities, 1).match(frame, evidence);
+  return evidence;
+}
+
+TEST(EvidenceMatcher, MatchesNothingOnAFlatSurface) {
+  StereoFrame frame;
+  frame.left = frame.right = cv::Mat(kSize, CV_8UC1, cv::Scalar(128));
+  const DisparityEvidence evidence = evidenceOf(frame);
+  EXPECT_EQ(cv::countNonZero(distinct(evidence)), 0);
+  EXPECT_EQ(matched(evidence), 0.0);
+}
+
+TEST(EvidenceMatcher, TellsTexture) {
+  const DisparityEvidence evidence = evidenceOf(shifted(20));
+  EXPECT_GT(inside(distinct(evidence)), 0.9);
+  EXPECT_GT(inside(evidence.best_px == evidence.best_px), 0.9);
+}
+
 TEST(EvidenceMatcher, ReusesItsOutputs) {
   EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
   DisparityEvidence evidence;
@@ -83,6 +116,27 @@ TEST(EvidenceMatcher, ReusesItsOutputs) {
 
 TEST(EvidenceMatcher, RefusesTheImpossible) {
   EXPECT_THROW(EvidenceMatcher(geometry(0.0), 100, 1), std::invalid_argument);
+}
+
+std::string refusal(const StereoFrame& frame) {
+  EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
+  DisparityEvidence evidence;
+  try {
+    matcher.match(frame, evidence);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EvidenceMatcher, RefusesOtherImagesThanGreyOnesOfItsSize) {
+  StereoFrame frame = shifted(10);
+  frame.right = frame.right.colRange(1, kSize.width);
+  EXPECT_EQ(refusal(frame), "evidence matcher: the right image is 199 x 90, not 200 x 90");
+  frame = shifted(10);
+  frame.left.convertTo(frame.left, CV_16UC1);
+  EXPECT_EQ(refusal(frame), "evidence matcher: the left image is not grey of 8 bits: its OpenCV type is 2");
+  EXPECT_EQ(refusal({}), "evidence matcher: the left image is 0 x 0, not 200 x 90");
 }
 
 }  // namespace

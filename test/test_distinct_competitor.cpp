@@ -21,7 +21,7 @@ struct Found {
   int flags = 0, farthest = 0, nearest = 0;
 };
 
-Found find(const Curve& curve) {
+Found find(const Curve& curve, int u = kMiddle_u) {
   const int stored = storedDisparities(kSize.num_disparities);
   AlignedBytes row(static_cast<std::size_t>(kSize.width_px) * stored);
   for (int u = 0; u < kSize.width_px; ++u) {
@@ -34,14 +34,14 @@ Found find(const Curve& curve) {
   std::vector<std::uint8_t> farthest(kSize.width_px), nearest(kSize.width_px), flags(kSize.width_px);
   DistinctCompetitor(kSize.width_px, kSize.min_disparity_px, kSize.num_disparities)
       .find({row.data(), row.data(), row.data()}, winner.data(), {farthest.data(), nearest.data(), flags.data()});
-  return {flags[kMiddle_u], farthest[kMiddle_u], nearest[kMiddle_u]};
+  return {flags[u], farthest[u], nearest[u]};
 }
 
 TEST(DistinctCompetitor, IsAsGoodAndBehindABarrier) {
   Curve curve(8);
   curve.costs[kWinner] = curve.costs[10] = curve.costs[70] = 2;
   const Found found = find(curve);
-  EXPECT_EQ(found.flags, kCompetitor);
+  EXPECT_EQ(found.flags, kCompetitor | kDistinct);
   EXPECT_EQ(found.farthest, 10);
   EXPECT_EQ(found.nearest, 70);
 }
@@ -50,7 +50,7 @@ TEST(DistinctCompetitor, MayBeOnOneSideOnly) {
   Curve curve(8);
   curve.costs[kWinner] = curve.costs[70] = curve.costs[80] = 2;
   const Found found = find(curve);
-  EXPECT_EQ(found.flags, kCompetitor);
+  EXPECT_EQ(found.flags, kCompetitor | kDistinct);
   EXPECT_EQ(found.farthest, 70);
   EXPECT_EQ(found.nearest, 80);
 }
@@ -59,13 +59,40 @@ TEST(DistinctCompetitor, IsNotAWorseOne) {
   Curve curve(8);
   curve.costs[kWinner] = 2;
   curve.costs[70] = 3;  // ten tenths of a bit worse
-  EXPECT_EQ(find(curve).flags, 0);
+  EXPECT_EQ(find(curve).flags, kDistinct);
 }
 
 TEST(DistinctCompetitor, IsNotTheSameValleyWithoutABarrier) {
   Curve curve(4);  // 2 bits above
   curve.costs[kWinner] = curve.costs[70] = 2;
-  EXPECT_EQ(find(curve).flags, 0);
+  EXPECT_EQ(find(curve).flags, kDistinct);
+}
+
+TEST(DistinctCompetitor, TellsAWinnerFromHalfOfTheDisparities) {
+  for (const int alike : {kSize.num_disparities / 2, kSize.num_disparities / 2 + 1}) {
+    Curve curve(4);  // 2 bits above
+    for (int d = 0; d < alike; ++d) curve.costs[d] = 2;
+    EXPECT_EQ(find(curve).flags, alike <= kSize.num_disparities / 2 ? kDistinct : 0) << alike;
+  }
+}
+
+TEST(DistinctCompetitor, TellsByMoreThanALittle) {
+  for (const int above : {0, 1, 2}) {  // bits a pixel; of the window's halved sum 0, 7 and 21
+    Curve curve(2 + above);
+    curve.costs[kWinner] = 2;
+    EXPECT_EQ(find(curve).flags, above == 2 ? kDistinct : 0) << above;
+  }
+}
+
+TEST(DistinctCompetitor, TellsOnlyFromWhatTheRightCameraSees) {
+  constexpr int kSeen = 41;  // disparities, at the pixel asked for
+  for (const int alike : {kSeen / 2, kSeen / 2 + 1}) {
+    Curve curve(4);
+    for (int d = 0; d + 1 < alike; ++d) curve.costs[d] = 2;
+    curve.costs[kWinner] = 2;
+    EXPECT_EQ(find(curve, kSeen - 1 + DistinctCompetitor::kReach_px).flags, alike <= kSeen / 2 ? kDistinct : 0)
+        << alike;
+  }
 }
 
 TEST(DistinctCompetitor, EqualsTheSlowOne) {

@@ -24,48 +24,31 @@ TEST(HitRule, AShareOfAFullFaceIsAHit) {
   }
 }
 
-TEST(HitRule, AnOutlineIsAPixelAndAHalfWide) {
-  for (const float depth_m : {0.6f, 1.3f, 4.0f}) {
-    const std::uint32_t enough = firstAtLeast(1.5 * cellPixels(depth_m));
-    EXPECT_TRUE(kRule.isOutline(enough, depth_m)) << depth_m;
-    EXPECT_FALSE(kRule.isOutline(enough - 1, depth_m)) << depth_m;
-  }
-}
-
-TEST(HitRule, NearTheCameraAnOutlineIsNoHitFarFromItItIs) {
-  EXPECT_FALSE(kRule.isHit(firstAtLeast(1.5 * cellPixels(1.0f)), 1.0f));
-  EXPECT_TRUE(kRule.isHit(firstAtLeast(1.5 * cellPixels(4.0f)), 4.0f));
-}
-
 TEST(HitRule, AFullFaceIsAsLargeAsItsCell) {
   EXPECT_NEAR(kRule.face(400, 1.0f), 400.0 / std::pow(cellPixels(1.0f), 2), 1e-6);
   EXPECT_NEAR(kRule.face(firstAtLeast(std::pow(cellPixels(2.5f), 2)), 2.5f), 1.0, 0.01);
 }
 
-TEST(HitRule, AQuarterOfAFaceScatteredOverCellsIsNoMistake) {
+TEST(HitRule, ATwelfthOfAFaceIsNoMistake) {
   for (const float depth_m : {0.6f, 1.3f, 4.0f}) {
-    const std::uint32_t enough = firstAtLeast(0.25 * std::pow(cellPixels(depth_m), 2));
-    EXPECT_TRUE(kRule.isScattered(enough, depth_m)) << depth_m;
-    EXPECT_FALSE(kRule.isScattered(enough - 1, depth_m)) << depth_m;
+    const std::uint32_t enough = firstAtLeast(0.08 * std::pow(cellPixels(depth_m), 2));
+    EXPECT_TRUE(kRule.isUncertain(enough, depth_m)) << depth_m;
+    EXPECT_FALSE(kRule.isUncertain(enough - 1, depth_m)) << depth_m;
   }
 }
 
 TEST(HitRule, AFewPointsFarAwayAreNeither) {
   const auto few = static_cast<std::uint32_t>(MapConfig().min_hit_points) - 1;
   EXPECT_FALSE(kRule.isHit(few, 100.0f));
-  EXPECT_FALSE(kRule.isOutline(few, 100.0f));
-  EXPECT_FALSE(kRule.isScattered(few, 100.0f));
+  EXPECT_FALSE(kRule.isUncertain(few, 100.0f));
   EXPECT_TRUE(kRule.isHit(few + 1, 100.0f));
-  EXPECT_TRUE(kRule.isOutline(few + 1, 100.0f));
 }
 
 TEST(HitRule, BehindTheCameraNothingIsHit) {
   EXPECT_FALSE(kRule.isHit(10000, -1.0f));
   EXPECT_FALSE(kRule.isHit(10000, 0.0f));
-  EXPECT_FALSE(kRule.isOutline(10000, -1.0f));
-  EXPECT_FALSE(kRule.isScattered(10000, -1.0f));
-  EXPECT_FALSE(kRule.isScattered(10000, 0.0f));
-  EXPECT_FALSE(kRule.isOutline(10000, 0.0f));
+  EXPECT_FALSE(kRule.isUncertain(10000, -1.0f));
+  EXPECT_FALSE(kRule.isUncertain(10000, 0.0f));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ MapConfig withoutHitBand() {
 
 std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
   PointCounter counter(withoutHitBand(), kGeometry);
-  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), {}, T_M_C);
+  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), T_M_C);
   std::uint32_t points = 0;
   for (const CellCounts::Cube& cube : counter.cubes()) {
     for (const std::uint32_t count : cube.counts) points += count;
@@ -37,24 +37,6 @@ TEST(PointCounter, CountsEveryPointWithinTheRange) {
   EXPECT_EQ(pointsAt(kNaN, Eigen::Isometry3d::Identity()), 0u);
 }
 
-TEST(PointCounter, ThinPointsAreCountedInTheSameCellsAndAmongTheirPointsToo) {
-  PointCounter counter(withoutHitBand(), kGeometry), plain(withoutHitBand(), kGeometry);
-  cv::Mat thin(kGeometry.size(), CV_8U, cv::Scalar(0));
-  for (int u = 0; u < thin.cols; u += 3) thin.col(u).setTo(255);
-  const cv::Mat depth_m = test_support::wallDepth(kGeometry.size(), 4.05);
-  counter.count(depth_m, thin, Eigen::Isometry3d::Identity());
-  plain.count(depth_m, {}, Eigen::Isometry3d::Identity());
-  std::uint32_t thin_points = 0;
-  ASSERT_EQ(counter.cubes().size(), plain.cubes().size());
-  for (std::size_t i = 0; i < counter.cubes().size(); ++i) {
-    EXPECT_EQ(counter.cubes()[i].key, plain.cubes()[i].key);
-    EXPECT_EQ(counter.cubes()[i].counts, plain.cubes()[i].counts);
-    for (const std::uint32_t count : counter.cubes()[i].thin_counts) thin_points += count;
-    for (const std::uint32_t count : plain.cubes()[i].thin_counts) EXPECT_EQ(count, 0u);
-  }
-  EXPECT_EQ(thin_points, static_cast<std::uint32_t>(cv::countNonZero(thin)));
-}
-
 TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
   EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d(Eigen::Translation3d(4000, 0, 0))), 0u);
 }
@@ -62,7 +44,7 @@ TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
 TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
   PointCounter counter(withoutHitBand(), kGeometry);
   const Eigen::Isometry3d T_M_C(Eigen::Translation3d(1.0, -2.0, 0.5));
-  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), {}, T_M_C);
+  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), T_M_C);
   std::map<std::array<int, 3>, std::uint32_t> expected, found;
   for (int v = 0; v < kGeometry.size().height; ++v) {
     for (int u = 0; u < kGeometry.size().width; ++u) {

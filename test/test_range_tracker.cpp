@@ -15,25 +15,18 @@ namespace {
 using namespace test_support;
 const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
-cv::Mat uniform(double disparity_px) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
-
 /// A surface across the view.
-Disparity showing(double matched_px, double filled_px = kNaN) {
-  Disparity disparity;
-  disparity.matched_px = uniform(matched_px);
-  disparity.filtered_px = uniform(filled_px);
-  return disparity;
-}
+cv::Mat showing(double disparity_px) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
 
 RangeTracker trackerWithLidar() { return {Config(), kGeometry, rigWithLidar().T_C_L}; }
 
 /// Half a second of both sensors; a LiDAR that repeats itself does so to the last bit.
-TrackedRange trackedFor(RangeTracker& tracker, double lidar_m, const Disparity& disparity, bool repeats = false) {
+TrackedRange trackedFor(RangeTracker& tracker, double lidar_m, const cv::Mat& disparity_px, bool repeats = false) {
   TrackedRange tracked;
   for (int i = 0; i < 50; ++i) {
     const double stamp_s = 1.0 + 0.01 * i;
     tracker.addRange(reading(stamp_s, lidar_m + (repeats ? 0.0 : 0.001 * (i % 2))));
-    if (i % 5 == 4) tracked = tracker.update(stamp_s, disparity);
+    if (i % 5 == 4) tracked = tracker.update(stamp_s, disparity_px);
   }
   return tracked;
 }
@@ -130,18 +123,11 @@ TEST(RangeTracker, ALidarThatRepeatsItselfTeachesNoScale) {
   EXPECT_EQ(trackedFor(tracker, 7.3, showing(3.0), true).scale, 1.0);
 }
 
-TEST(RangeTracker, AFillIsReadWhereNothingMatchesAndTeachesNothing) {
-  RangeTracker tracker = trackerWithLidar();
-  const TrackedRange tracked = trackedFor(tracker, 7.3, showing(kNaN, 3.0));
-  EXPECT_NEAR(tracked.range_stereo_m, 7.0, 1e-6);
-  EXPECT_EQ(tracked.scale, 1.0);
-}
-
 TEST(RangeTracker, AThingBesideTheBeamKeepsItFromTeachingTheScale) {
   RangeTracker tracker = trackerWithLidar();
-  Disparity disparity = showing(3.0);
-  disparity.matched_px.colRange(165, 320).setTo(5.0);  // within six radii of the footprint, but not in it
-  const TrackedRange tracked = trackedFor(tracker, 7.3, disparity);
+  cv::Mat disparity_px = showing(3.0);
+  disparity_px.colRange(165, 320).setTo(5.0);  // within six radii of the footprint, but not in it
+  const TrackedRange tracked = trackedFor(tracker, 7.3, disparity_px);
   EXPECT_NEAR(tracked.range_stereo_m, 7.0, 1e-6);
   EXPECT_EQ(tracked.scale, 1.0);
 }
@@ -189,9 +175,9 @@ TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContrad
   const double edge_px = kGeometry.disparity(4.7);
   for (const double beside_px : {edge_px, edge_px + 0.6}) {
     RangeTracker tracker = trackerWithLidar();
-    Disparity disparity = showing(3.0);
-    disparity.matched_px.colRange(162, 320).setTo(beside_px);  // within three radii of the beam, but not on it
-    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity);
+    cv::Mat disparity_px = showing(3.0);
+    disparity_px.colRange(162, 320).setTo(beside_px);  // within three radii of the beam, but not on it
+    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity_px);
     ASSERT_TRUE(tracked.range_reasons & kDisagreement);
     EXPECT_EQ(tracked.lidar_is_nearer, beside_px != edge_px);
   }
@@ -206,9 +192,9 @@ TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
       const double told_m = has_learnt ? 7.0 : 6.3;
       if (i % 5 == 4) tracker.update(0.01 * i, showing(kGeometry.disparity(told_m)));
     }
-    Disparity disparity = showing(3.0);
-    disparity.matched_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far
-    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity);
+    cv::Mat disparity_px = showing(3.0);
+    disparity_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far
+    const TrackedRange tracked = trackedFor(tracker, 4.7, disparity_px);
     ASSERT_TRUE(tracked.range_reasons & kDisagreement);
     EXPECT_EQ(tracked.lidar_is_nearer, !has_learnt);
   }
@@ -217,9 +203,9 @@ TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
 TEST(RangeTracker, AFewMatchesBesideTheBeamShowNothing) {
   RangeTracker tracker = trackerWithLidar();
   ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
-  Disparity disparity = showing(kNaN, 3.0);
-  disparity.matched_px(cv::Rect(159, 119, 2, 2)).setTo(kGeometry.disparity(4.7));
-  EXPECT_TRUE(tracker.update(1.5, disparity).lidar_is_nearer);
+  cv::Mat disparity_px = showing(kNaN);
+  disparity_px(cv::Rect(159, 119, 2, 2)).setTo(kGeometry.disparity(4.7));
+  EXPECT_TRUE(tracker.update(1.5, disparity_px).lidar_is_nearer);
 }
 
 TEST(RangeTracker, ALidarThatSaysTooCloseIsNearer) {

@@ -12,10 +12,9 @@ namespace {
 const StereoGeometry kGeometry(test_support::vgaCalibration());
 constexpr double kHold_s = 0.25;
 
-/// Something upright across the beam's direction: x and y from and to, depth, and whether it counts as thin [m].
+/// Something upright across the beam's direction: x and y from and to, depth [m].
 struct Board {
   double left_m, right_m, top_m, bottom_m, depth_m;
-  bool is_thin = false;
 };
 
 const Board kBroad{-0.4, 0.0, -0.2, 0.2, 2.95};
@@ -27,16 +26,14 @@ class RecentBlockTest : public testing::Test {
  protected:
   const OccupancyMap& imageOf(const std::vector<Board>& boards) {
     cv::Mat depth_m(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
-    cv::Mat thin(kGeometry.size(), CV_8UC1, cv::Scalar(0));
     for (const Board& board : boards) {
       const Eigen::Vector2d low = kGeometry.project({board.left_m, board.top_m, board.depth_m});
       const Eigen::Vector2d high = kGeometry.project({board.right_m, board.bottom_m, board.depth_m});
       const cv::Rect area(cv::Point(low.array().ceil().x(), low.array().ceil().y()), cv::Point(high.x(), high.y()));
       depth_m(area) = board.depth_m;
-      thin(area) = board.is_thin ? 255 : 0;
     }
     map_.clear();
-    map_.insert(depth_m, Eigen::Isometry3d::Identity(), true, thin);
+    map_.insert(depth_m, Eigen::Isometry3d::Identity());
     return map_;
   }
 
@@ -89,40 +86,11 @@ TEST_F(RecentBlockTest, WhatIsSmallMayRemainBesideWhatIsBroad) {
   EXPECT_TRUE(mayRemain(10.2));
 }
 
-TEST_F(RecentBlockTest, WhatIsThinMayRemainThoughItFillsManyCells) {
-  Board thin = kBroad;
-  thin.is_thin = true;
-  block({thin});
-  EXPECT_TRUE(mayRemain(10.2));
-}
-
-TEST_F(RecentBlockTest, TheEdgeOfWhatIsBroadIsNotThinByItself) {
-  block({kBroad, {0.0, 0.08, -0.2, 0.2, 2.95, true}});
-  EXPECT_FALSE(mayRemain(10.1));
-  block({kBroad, {0.3, 0.38, -0.2, 0.2, 2.95, true}});
-  EXPECT_TRUE(mayRemain(10.1)) << "a twig beside a trunk";
-}
-
 TEST_F(RecentBlockTest, MistakesBehindTheOutlineOfWhatIsBroadAreNoSmallThings) {
   block({kBroad, {0.01, 0.12, -0.1, -0.01, 3.35}});
   EXPECT_FALSE(mayRemain(10.1));
   block({kBroad, {0.01, 0.09, -0.09, -0.01, 2.45}});
   EXPECT_TRUE(mayRemain(10.1)) << "what is before it is one";
-}
-
-TEST_F(RecentBlockTest, AFewThinCellsAreNoEdgeOfEachOther) {
-  block({{-0.4, 0.0, -0.2, 0.2, 2.95, true}, {0.01, 0.09, -0.09, -0.01, 2.95}});  // thin ones, and a solid one beside
-  EXPECT_TRUE(mayRemain(10.1));
-}
-
-TEST_F(RecentBlockTest, WhatIsThinBehindAnOutlineMayRemain) {
-  block({kBroad, {0.01, 0.12, -0.1, -0.01, 3.35, true}});
-  EXPECT_TRUE(mayRemain(10.1));
-}
-
-TEST_F(RecentBlockTest, WhatIsThinBehindSomethingNearAndFarBesideItMayRemain) {
-  block({{-0.4, 0.0, -0.2, 0.2, 1.25}, {0.4, 0.48, -0.2, 0.2, 3.75, true}}, 1.2);
-  EXPECT_TRUE(mayRemain(10.1));
 }
 
 TEST_F(RecentBlockTest, APostAtTheEdgeBesideWhatStandsInTheMiddleMayRemain) {
@@ -142,7 +110,7 @@ TEST_F(RecentBlockTest, WhatBeginsWhereTheBoxEndsIsNotInIt) {
 }
 
 TEST_F(RecentBlockTest, WhatFillsLessThanHalfOfItsCellsIsFrail) {
-  block({{-0.4, 0.4, -0.03, 0.0, 2.95}});  // a bar before a background that is hardly matched: not told to be thin
+  block({{-0.4, 0.4, -0.03, 0.0, 2.95}});
   EXPECT_TRUE(mayRemain(10.1));
 }
 

@@ -6,21 +6,17 @@
 
 namespace flight_corridor {
 
-/// How many points each cell holds, and how many of them are thin, by cubes of eight cells, as an octree's last inner
+/// How many points each cell holds, by cubes of eight cells, as an octree's last inner
 /// nodes hold them. Open addressing: no allocation once it has held as many cubes before.
 class CellCounts {
  public:
   struct Cube {
     std::uint32_t key;
-    std::array<std::uint32_t, 8> counts, thin_counts;
+    std::array<std::uint32_t, 8> counts;
   };
 
   void clear();
-  void add(std::uint32_t cube, unsigned cell, std::uint32_t count, bool is_thin) {
-    Cube& to = at(cube);
-    to.counts[cell] += count;
-    to.thin_counts[cell] += is_thin ? count : 0;
-  }
+  void add(std::uint32_t cube, unsigned cell, std::uint32_t count) { at(cube).counts[cell] += count; }
 
   /// In the order in which they came.
   const std::vector<Cube>& cubes() const { return cubes_; }

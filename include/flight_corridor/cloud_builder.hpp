@@ -5,7 +5,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/scale_correction.hpp"
 #include "flight_corridor/stereo_geometry.hpp"
 
@@ -26,8 +25,9 @@ class CloudBuilder {
   /// @throws std::invalid_argument with every broken rule.
   CloudBuilder(const CloudConfig& config, const StereoGeometry& geometry);
 
-  /// Corrected depth of both disparities.  @param out refilled.
-  void depth(const Disparity& disparity, const ScaleCorrection& correction, DepthImages& out) const;
+  /// Corrected depth along z of C.
+  /// @param disparity_px CV_32FC1 of geometry.size(), NaN = nothing.  @param depth_m refilled: CV_32FC1 [m].
+  void depth(const cv::Mat& disparity_px, const ScaleCorrection& correction, cv::Mat& depth_m) const;
 
   /// Cloud in C [m] of a depth image: noise removed, one point per voxel, intensity of the left image.
   /// @param depth_m CV_32FC1, NaN = nothing.  @param left CV_8UC1 of the same size.  @param voxel_m edge of a voxel.

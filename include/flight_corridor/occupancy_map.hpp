@@ -30,9 +30,7 @@ class OccupancyMap {
   /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
   /// @param clears false: hits alone, for an image that may have lost something.
-  /// @param thin CV_8U of that size, not 0 where a point is of a thin thing; empty: nowhere.
-  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true,
-              const cv::Mat& thin = cv::Mat());
+  void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
 
   /// One beam: misses from origin to end, and a hit in the end's cell.
   void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M);
@@ -57,12 +55,11 @@ class OccupancyMap {
     std::uint32_t points;
     float face;  // the share of a full face's points that these are
     bool is_hit;
-    bool is_thin;  // most of its points are
   };
   const std::vector<Seen>& seen() const { return seen_; }
 
-  /// Whether the newest image shows something in a box that makes no hit: in a cell centred there as many points as an
-  /// outline has, and a hit or as many in a cell beside it; or many points scattered over cells beside each other.
+  /// Whether the newest image shows something in a box that makes no hit: a cell centred there holds too many points
+  /// to be mistakes.
   bool showsOutline(const Box& box_M) const;
 
  private:

@@ -6,7 +6,9 @@
 #include "flight_corridor/cloud_builder.hpp"
 #include "flight_corridor/config.hpp"
 #include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/doubt.hpp"
 #include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/geometry/box_view.hpp"
 #include "flight_corridor/image_watch.hpp"
 #include "flight_corridor/occupancy_map.hpp"
 #include "flight_corridor/range_tracker.hpp"
@@ -14,7 +16,6 @@
 #include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/surface_in_box.hpp"
 #include "flight_corridor/types.hpp"
-#include "flight_corridor/unmatched_texture.hpp"
 
 namespace flight_corridor {
 
@@ -67,9 +68,9 @@ class Pipeline {
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
   /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
-  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has too few
-  /// matches there, texture that would fit in it, unmatched or beside its match, or points that make no hit, or says
-  /// that the map is not to be trusted. The answer is as old as its stamp, the last frame's: judge its age.
+  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has matches
+  /// behind it that fit in it as well, or points in it that make no hit, or says that the map is not to be trusted. The
+  /// answer is as old as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -93,16 +94,19 @@ class Pipeline {
   bool seesFromBlind() const { return nearestDepth() <= config_.corridor.blind_m; }
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
-  const DepthImages& depth() const { return depth_; }
-  /// Clear texture around the corridor that has no match, is not hidden from the right camera and would fit no farther
-  /// than the corridor's end; elsewhere 0. CV_32FC1 [grey], of the last pair; computed at each call.
-  cv::Mat unmatched() const;
+  /// The evidence: depth along z of C of what is matched, CV_32FC1 [m], NaN = nothing.
+  const cv::Mat& depth() const { return depth_m_; }
+  /// For people: the same with what probably is between; computed at each call.
+  cv::Mat filledDisparity() const;
+  cv::Mat filledDepth() const;
+  /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
+  cv::Mat doubtful() const { return doubt_.image(); }
   const OccupancyMap& map() const { return map_; }
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
   /// The corridor's box in the map's frame, and in C.
   Box box() const { return corridor_.box(T_M_C_ * rig_.T_C_F); }
   Box boxInCamera() const { return corridor_.box(rig_.T_C_F); }
-  /// Filtered, scale-corrected cloud of the last frame in C; computed on the first call after a frame.
+  /// Evidence as a scale-corrected cloud of the last frame in C; computed on the first call after a frame.
   const Cloud& cloud();
 
  private:
@@ -117,8 +121,7 @@ class Pipeline {
   Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
   State state(std::uint32_t reasons) const;
   bool isTrusted() const;
-  UnmatchedTexture unmatchedTexture(const Box& box_C) const;
-  std::uint32_t doubts(const Box& box_C, const UnmatchedTexture& texture) const;
+  std::uint32_t doubts(const Box& box_C, BoxView& view, Doubt& doubt) const;
   double toldDepth(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
@@ -133,6 +136,8 @@ class Pipeline {
   std::optional<OccupancyMap> frame_map_;
   Corridor corridor_;
   RecentBlock recent_block_;
+  BoxView box_view_;  // of the corridor
+  Doubt doubt_;
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
@@ -140,7 +145,7 @@ class Pipeline {
   std::uint32_t doubts_ = 0;        // about its matches where the corridor is
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
-  DepthImages depth_;
+  cv::Mat depth_m_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Cloud cloud_;
   bool cloud_is_current_ = false;

@@ -19,8 +19,7 @@ class PointCounter {
 
   /// Counts anew. Points beyond max_range_m are left out; all are where the camera is outside of what an octree holds.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no point. Taken to be nearer by hit_band_px.
-  /// @param thin CV_8U of that size, not 0: counted as thin, too; empty: none is.
-  void count(const cv::Mat& depth_m, const cv::Mat& thin, const Eigen::Isometry3d& T_M_C);
+  void count(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
   /// By cubes of eight cells.
   const std::vector<CellCounts::Cube>& cubes() const { return points_.cubes(); }
@@ -29,14 +28,13 @@ class PointCounter {
   Eigen::Array3i lowestCell(const CellCounts::Cube& cube) const;
 
  private:
-  void findCells(const float* depth_m, const std::uint8_t* thin, int v, const Eigen::Isometry3f& T_M_C);
+  void findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C);
   void findRuns();
 
   MapConfig config_;
   StereoGeometry geometry_;
   CellCounts points_;
   Eigen::Array3i window_key_{0, 0, 0};    // lowest cell of the window
-  std::vector<std::uint8_t> not_thin_;    // a row of zeros
   std::vector<std::uint32_t> row_cells_;  // scratch: cells of a row's points in the window
   std::vector<int> run_ends_;             // ... and where runs of one cell end
 };

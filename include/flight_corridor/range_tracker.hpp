@@ -6,7 +6,6 @@
 
 #include "flight_corridor/beam_footprint.hpp"
 #include "flight_corridor/config.hpp"
-#include "flight_corridor/disparity_estimator.hpp"
 #include "flight_corridor/lidar_watch.hpp"
 #include "flight_corridor/pending_readings.hpp"
 #include "flight_corridor/range_fusion.hpp"
@@ -66,7 +65,7 @@ class RangeTracker {
 
   /// Fuses the readings up to a stereo pair, and what that shows on the beam.
   /// @param stamp_s not before the last one.
-  TrackedRange update(double stamp_s, const Disparity& disparity);
+  TrackedRange update(double stamp_s, const cv::Mat& disparity_px);
 
   /// Point of C at a range along the beam [m].
   Eigen::Vector3d point(double range_m) const { return beam_.point(range_m); }

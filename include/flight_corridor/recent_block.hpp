@@ -16,8 +16,8 @@ class RecentBlock {
   RecentBlock(double hold_s, double cell_m) : hold_s_(hold_s), cell_m_(cell_m) {}
 
   /// Something blocks the box. It cannot be missed if the newest image shows it and every cell that is hit in the box
-  /// belongs to something large: to a group of cells that touch each other, none of them thin, to what touches these,
-  /// or, not being thin, to what lies behind their outline.
+  /// belongs to something large: to a group of cells that touch each other, to what touches these, or to what lies
+  /// behind their outline.
   /// @param verdict with its stamp and clear distance.
   /// @param beam_end_m along the box's axis, where the beam ends in the box.
   /// @param newest map of the newest image, in C.

@@ -39,14 +39,6 @@ struct StereoFrame {
   cv::Mat right;  ///< CV_8UC1, rectified, same size and rows as left.
 };
 
-/// Depth along z of C [m], CV_32FC1, NaN = nothing; and what says more of pixels without one.
-struct DepthImages {
-  cv::Mat matched_m;   ///< From matches alone: what keeps thin things.
-  cv::Mat filled_m;    ///< The same where matched, elsewhere the confident fill: what also holds surfaces with little
-                       ///< texture.
-  cv::Mat background;  ///< CV_8UC1, 255: no match, but clear texture that fits on a surface around behind the box.
-};
-
 /// One reading of the one-dimensional LiDAR, as the driver gave it.
 struct RangeReading {
   double stamp_s = kNaN;
@@ -76,8 +68,7 @@ enum Reason : std::uint32_t {
   kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo that sees nothing before
                               ///< the corridor's last quarter.
-  kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched, of all or where the box is seen (no texture,
-                              ///< saturated, covered lens).
+  kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
   kDisagreement = 1u << 8,    ///< LiDAR and stereo disagree lastingly; the nearer one rules. UNKNOWN where that is the
                               ///< LiDAR and stereo does not show beside the beam what it met, or where it says that
                               ///< something is too close to be measured (-inf).
@@ -89,12 +80,10 @@ enum Reason : std::uint32_t {
       1u << 12,             ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
                             ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kUnmatched = 1u << 14,    ///< UNKNOWN: too much texture in view has no match, but would fit no farther than the box;
-                            ///< or, where no LiDAR tells, most has a match, but fits in the box as well; or it may
-                            ///< be a railing whose bars were taken for the wall behind.
-  kOutline = 1u << 15,      ///< UNKNOWN: points in the box, too few for a surface: a bare thing's outline, or mistakes;
-                            ///< or a thin or small thing so little behind it that it may be in it, or a hole that
-                            ///< may hide one.
+  kUnmatched = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
+                            ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
+  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare thing's outline, or
+                            ///< mistakes.
 };
 
 /// BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Not of kDisagreement: that

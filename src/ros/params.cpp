@@ -17,20 +17,18 @@ using Fields = std::map<std::string, Field>;
 // The one place where a key meets its field.
 
 Fields bind(flight_corridor::StereoConfig& c) {
-  return {{"mode", &c.mode},
+  return {{"engine", &c.engine},
           {"num_disparities_px", &c.num_disparities_px},
-          {"block_size_px", &c.block_size_px},
-          {"smoothness_small", &c.smoothness_small},
-          {"smoothness_large", &c.smoothness_large},
-          {"uniqueness_percent", &c.uniqueness_percent},
-          {"left_right_max_px", &c.left_right_max_px},
-          {"speckle_window_px", &c.speckle_window_px},
-          {"speckle_range_px", &c.speckle_range_px},
-          {"texture_min", &c.texture_min},
-          {"wls_lambda", &c.wls_lambda},
-          {"wls_sigma", &c.wls_sigma},
-          {"wls_min_confidence", &c.wls_min_confidence},
-          {"min_matched_fraction", &c.min_matched_fraction}};
+          {"min_matched_fraction", &c.min_matched_fraction},
+          {"mode", &c.opencv.mode},
+          {"block_size_px", &c.opencv.block_size_px},
+          {"smoothness_small", &c.opencv.smoothness_small},
+          {"smoothness_large", &c.opencv.smoothness_large},
+          {"uniqueness_percent", &c.opencv.uniqueness_percent},
+          {"left_right_max_px", &c.opencv.left_right_max_px},
+          {"wls_lambda", &c.opencv.wls_lambda},
+          {"wls_sigma", &c.opencv.wls_sigma},
+          {"wls_min_confidence", &c.opencv.wls_min_confidence}};
 }
 
 Fields bind(flight_corridor::LidarConfig& c) {
@@ -92,7 +90,7 @@ Fields bind(flight_corridor::CorridorConfig& c) {
           {"margin_m", &c.margin_m},
           {"blind_m", &c.blind_m},
           {"max_unknown_fraction", &c.max_unknown_fraction},
-          {"max_unmatched_fraction", &c.max_unmatched_fraction},
+          {"smallest_obstacle_m", &c.smallest_obstacle_m},
           {"hold_s", &c.hold_s},
           {"max_age_s", &c.max_age_s}};
 }

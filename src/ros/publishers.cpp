@@ -83,7 +83,7 @@ void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipelin
           [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
   publish("clearing", [&] {
     const bool clears = report.clears && pipeline.seesFromBlind();  // a ray clears from the camera on
-    return toClearing(header, clears ? pipeline.depth().filled_m : cv::Mat(), pipeline.geometry(), config);
+    return toClearing(header, clears ? pipeline.depth() : cv::Mat(), pipeline.geometry(), config);
   });
 }
 
@@ -91,9 +91,9 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
                                const cv::Mat& left, const Pipeline& pipeline, const Report& report) {
   namespace encodings = sensor_msgs::image_encodings;
   publish("disparity", [&] {
-    return toDisparityImage(header, pipeline.disparity().filtered_px, pipeline.geometry(), pipeline.nearestDepth());
+    return toDisparityImage(header, pipeline.filledDisparity(), pipeline.geometry(), pipeline.nearestDepth());
   });
-  publish("depth/image_rect", [&] { return toImage(header, pipeline.depth().filled_m, encodings::TYPE_32FC1); });
+  publish("depth/image_rect", [&] { return toImage(header, pipeline.filledDepth(), encodings::TYPE_32FC1); });
   publish("depth/camera_info", [&] {
     sensor_msgs::CameraInfo info = left_info;
     info.header = header;

@@ -79,22 +79,22 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
   }
   if (wants_overlay) writeOverlay(index, pipeline, report);
   if (!options_.depth_folder.empty()) {
-    toMillimetres(pipeline.depth().matched_m, depth_mm_);
+    toMillimetres(pipeline.depth(), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "matched" / (numbered(index) + ".png"), depth_mm_);
-    toMillimetres(pipeline.depth().filled_m, depth_mm_);
+    toMillimetres(pipeline.filledDepth(), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "filled" / (numbered(index) + ".png"), depth_mm_);
   }
   if (!options_.video.empty()) writeVideoFrame(pipeline, report);
   last_state_ = state;
 }
 
-/// What it takes to see why a frame got its verdict: verdict and box, evidence (white: texture that lacks a match),
-/// evidence and fill, cells.
+/// What it takes to see why a frame got its verdict: verdict and box, evidence (white: what is matched behind the box,
+/// but fits in it as well), evidence and fill, cells.
 void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
-  drawDepth(pipeline.depth().matched_m, ahead_m, matched_);
-  matched_.setTo(cv::Scalar::all(255), pipeline.unmatched() > 0.0);
-  drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
+  drawDepth(pipeline.depth(), ahead_m, matched_);
+  matched_.setTo(cv::Scalar::all(255), pipeline.doubtful());
+  drawDepth(pipeline.filledDepth(), ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, overlay_.size(), map_);
   cv::Mat lower;
   cv::hconcat(overlay_, matched_, panels_);
@@ -106,7 +106,7 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
 
 void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
-  drawDepth(pipeline.depth().filled_m, ahead_m, depth_);
+  drawDepth(pipeline.filledDepth(), ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m,
                    cv::Size(kPanelHeight_px, kPanelHeight_px), map_);
   panels_.release();

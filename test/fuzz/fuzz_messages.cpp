@@ -117,8 +117,8 @@ void convert(const StereoMessages& pair, Processor& processor) {
   flight_corridor::Pipeline* pipeline = processor.products();
   if (!pipeline) return;
   const flight_corridor::MapConfig& map = pipeline->config().map;
-  toDisparityImage(header, pipeline->disparity().filtered_px, pipeline->geometry(), pipeline->nearestDepth());
-  toImage(header, pipeline->depth().filled_m, sensor_msgs::image_encodings::TYPE_32FC1);
+  toDisparityImage(header, pipeline->filledDisparity(), pipeline->geometry(), pipeline->nearestDepth());
+  toImage(header, pipeline->filledDepth(), sensor_msgs::image_encodings::TYPE_32FC1);
   toPointCloud(header, pipeline->cloud());
   toMarker(header, pipeline->box(), report.verdict.state, 1.0);
   toObstacles(header, pipeline->map().tree(), pipeline->T_M_C(), map.max_range_m);

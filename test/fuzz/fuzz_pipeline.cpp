@@ -96,9 +96,10 @@ Config anyConfig(Bytes& bytes) {
   if (bytes.flag()) config.map.frame_id = "odom";
   if (bytes.flag()) return config;
   constexpr std::array<const char*, 4> kModes{"sgbm", "hh", "3way", "hh4"};
-  config.stereo.mode = bytes.oneOf(kModes);
-  config.stereo.block_size_px = bytes.integer(1, 11);
-  config.stereo.speckle_window_px = bytes.integer(0, 200);
+  config.stereo.opencv.mode = bytes.oneOf(kModes);
+  config.stereo.opencv.block_size_px = bytes.integer(1, 11);
+  if (bytes.integer(0, 7) == 0) config.stereo.engine = "opencv";
+  config.corridor.smallest_obstacle_m = bytes.number(0.0, 0.2);
   config.corridor.width_m = bytes.number(0.05, 3.0);
   config.corridor.height_m = bytes.number(0.05, 3.0);
   config.corridor.length_m = bytes.number(0.5, 10.0);
@@ -142,7 +143,7 @@ void fly(Bytes& bytes) {
     checkVerdict(verdict);
     require(verdict.state != State::Free || shown.is_evidence, "what shows nothing is not FREE", verdict);
     require(verdict.state != State::Free || stamp_s >= newest_s, "what is old is not FREE", verdict);
-    if (pipeline.cloud().size() > 0) pipeline.unmatched();
+    if (pipeline.cloud().size() > 0) pipeline.filledDepth();
     if (!(verdict.reasons & (kNoData | kNoPose | kBadImage))) {
       newest_s = stamp_s;
       before.push_back(shown.frame);

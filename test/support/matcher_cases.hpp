@@ -100,7 +100,8 @@ inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size) {
       const std::vector<int> competitors = oracle::competitorsAt(costs, u, v, d);
       answers.farthest[at] = static_cast<std::uint8_t>(minimum.farthest);
       answers.nearest[at] = static_cast<std::uint8_t>(minimum.nearest);
-      answers.flags[at] = static_cast<std::uint8_t>(minimum.flags | (competitors.empty() ? 0 : kCompetitor));
+      answers.flags[at] = static_cast<std::uint8_t>(minimum.flags | (competitors.empty() ? 0 : kCompetitor) |
+                                                    (oracle::isDistinct(costs, u, v, d) ? kDistinct : 0));
       answers.competitor_farthest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.front());
       answers.competitor_nearest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.back());
       for (std::size_t i = 0; i < minimum.set.size(); ++i) {

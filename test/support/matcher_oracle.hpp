@@ -178,17 +178,33 @@ inline int windowCost(const Volume& cost, int u, int v, int d) {
   return sum;
 }
 
-/// Disparities that fit as well as the winner, seen by the right camera, with a barrier between.
-inline std::vector<int> competitorsAt(const Volume& cost, int u, int v, int winner) {
-  const MatcherSize& size = cost.size;
-  std::vector<int> window(size.num_disparities), competitors;
-  for (int d = 0; d < size.num_disparities; ++d) window[d] = windowCost(cost, u, v, d);
+/// Cost in a window around a pixel, of each disparity.
+inline std::vector<int> windowCosts(const Volume& cost, int u, int v) {
+  std::vector<int> window;
+  for (int d = 0; d < cost.size.num_disparities; ++d) window.push_back(windowCost(cost, u, v, d));
+  return window;
+}
+
+/// Of the winner and its two neighbours, in a window.
+inline int bestAround(const std::vector<int>& window, int winner) {
   int best = window[winner];
   if (winner > 0) best = std::min(best, window[winner - 1]);
-  if (winner + 1 < size.num_disparities) best = std::min(best, window[winner + 1]);
-  for (int d = 0; d < size.num_disparities; ++d) {
-    const int u_right = u - d - size.min_disparity_px;
-    if (u_right < 0 || u_right >= size.width_px || window[d] > best + DistinctCompetitor::kAsGood) continue;
+  if (winner + 1 < static_cast<int>(window.size())) best = std::min(best, window[winner + 1]);
+  return best;
+}
+
+inline bool seenByRight(const MatcherSize& size, int u, int d) {
+  const int u_right = u - d - size.min_disparity_px;
+  return u_right >= 0 && u_right < size.width_px;
+}
+
+/// Disparities that fit as well as the winner, seen by the right camera, with a barrier between.
+inline std::vector<int> competitorsAt(const Volume& cost, int u, int v, int winner) {
+  const std::vector<int> window = windowCosts(cost, u, v);
+  const int best = bestAround(window, winner);
+  std::vector<int> competitors;
+  for (int d = 0; d < cost.size.num_disparities; ++d) {
+    if (!seenByRight(cost.size, u, d) || window[d] > best + DistinctCompetitor::kAsGood) continue;
     bool barrier = false;
     for (int between = std::min(d, winner) + 1; between < std::max(d, winner); ++between) {
       barrier = barrier || window[between] >= best + DistinctCompetitor::kBarrier;
@@ -196,6 +212,20 @@ inline std::vector<int> competitorsAt(const Volume& cost, int u, int v, int winn
     if (barrier) competitors.push_back(d);
   }
   return competitors;
+}
+
+/// Whether the winner fits clearly better than half or more of the disparities whose window the right camera sees.
+inline bool isDistinct(const Volume& cost, int u, int v, int winner) {
+  const std::vector<int> window = windowCosts(cost, u, v);
+  const int best = bestAround(window, winner);
+  const int first_u = std::max(u - 3, 0), last_u = std::min(u + 3, cost.size.width_px - 1);
+  const auto is_whole = [&](int d) { return seenByRight(cost.size, first_u, d) && seenByRight(cost.size, last_u, d); };
+  int worse = 0, others = 0;
+  for (int d = 0; d < cost.size.num_disparities; ++d) {
+    if (!is_whole(d)) continue;
+    ++(window[d] >= best + DistinctCompetitor::kTold ? worse : others);
+  }
+  return is_whole(winner) && worse >= others;
 }
 
 inline WindowMoments momentsAt(const GreyImage& left, const GreyImage& right, int u, int v, int disparity_px) {

@@ -61,6 +61,15 @@ inline int lastBitTo(const std::uint64_t* set, int words, int place) {
   return last;
 }
 
+/// How many bits lie between two places, both included; 0 where the last is before the first.
+inline int bitsBetween(const std::uint64_t* set, int words, int first, int last) {
+  int bits = 0;
+  for (int word = 0; word < words; ++word) {
+    bits += __builtin_popcountll(bitsFrom(bitsTo(set[word], word, last), word, first));
+  }
+  return bits;
+}
+
 inline int firstBit(const std::uint64_t* set, int words) { return firstBitFrom(set, words, 0); }
 inline int lastBit(const std::uint64_t* set, int words) { return lastBitTo(set, words, 64 * words - 1); }
 

@@ -14,7 +14,7 @@ constexpr float kBoundSlack_px = 1.0f;
 /// What a pair says of each pixel of the left image. All maps have the image's size; disparities are CV_32FC1 [px],
 /// principal-point difference removed, NaN = none.
 struct DisparityEvidence {
-  cv::Mat best_px;                 ///< Sub-pixel match on which both views agree.
+  cv::Mat best_px;                 ///< Sub-pixel match on which both views agree and which its own surroundings tell.
   cv::Mat farthest_px;             ///< Smallest disparity that the images do not contradict, less kBoundSlack_px.
   cv::Mat nearest_px;              ///< Largest one, plus kBoundSlack_px.
   cv::Mat competitor_farthest_px;  ///< Smallest of the distinct competitors of the best match, whole pixels.
@@ -32,6 +32,7 @@ class EvidenceMatcher {
   EvidenceMatcher(const StereoGeometry& geometry, int num_disparities, int threads);
 
   /// @param frame both images CV_8UC1 of geometry.size().  @param out refilled.
+  /// @throws std::invalid_argument naming the image that is not, and why.
   void match(const StereoFrame& frame, DisparityEvidence& out);
 
   /// Of bit 0 of a set [px], principal-point difference removed.

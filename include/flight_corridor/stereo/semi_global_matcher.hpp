@@ -21,7 +21,7 @@ struct MatcherSize {
 /// Where a matcher writes what it finds: planes of width x height without gaps between the rows. All disparities are
 /// indices: u_l - u_r less min_disparity_px.
 struct MatchPlanes {
-  float* best;                       ///< Sub-pixel; NaN unless kConsistent.
+  float* best;                       ///< Sub-pixel; NaN unless kConsistent, also where not kDistinct.
   std::uint8_t *farthest, *nearest;  ///< Bounds of the set of disparities that the images do not contradict.
   std::uint8_t *competitor_farthest, *competitor_nearest;  ///< Of the competitors, where flags has kCompetitor.
   std::uint8_t* flags;                                     ///< Bits of MatchFlag.

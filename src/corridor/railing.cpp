@@ -1,4 +1,4 @@
-#include "flight_corridor/ambiguous_texture.hpp"
+#include "flight_corridor/corridor/railing.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,15 +20,8 @@ constexpr float kAsGood = 0.1f;   // by how much less another match may correlat
 constexpr float kBetween = 0.5f;  // of the own fit: a worse match between two makes them two
 constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or behind the surface
 
-constexpr int kBelowZero_px = 3;           // disparities below zero that are asked about: matches there are far
-constexpr int kPatternStride_px = 4;       // between neighbouring windows, at least
-constexpr double kPatternWindows = 400.0;  // looked at, at the most
-constexpr int kFewestKnown = 12;           // windows where something is known; fewer say nothing
-constexpr double kPatternShare = 0.5;      // of these
-
 constexpr int kBarStride_px = 2;
 constexpr double kBarWindows = 3000.0;  // looked at, at the most: fewer rows, for columns meet the bars' pitch
-constexpr float kBarTexture = 2.0f;     // of the least, in a window's middle
 constexpr double kLargestScale = 1.2;   // largest factor from a told depth to the true one
 constexpr double kBeside_px = 2.0;      // so far beside its surface a window may fit
 constexpr int kFewestFitting = 40;      // windows; fewer say nothing
@@ -187,41 +180,18 @@ bool isTooWideForAFence(const Railing& railing, double least_px, const cv::Rect&
 }
 
 /// Whether much of what is seen in and around a view is behind a surface.
-bool showsFarther(const cv::Rect& view, double surface_px, const Disparity& disparity, const cv::Mat& depth_m,
-                  const StereoGeometry& geometry) {
+bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_m, const StereoGeometry& geometry) {
   const cv::Rect around = cv::Rect(view.tl() - cv::Point(view.size()), view.size() * 3) & cv::Rect({}, depth_m.size());
   const double farther_px = surface_px - kFarther_px;
   if (!(farther_px > 0.0)) return false;  // nothing is farther than a surface that is nearly at infinity
-  const cv::Mat seen = (depth_m(around) > 0.0) & (disparity.texture(around) >= disparity.least_texture);
-  const cv::Mat farther = seen & (depth_m(around) > geometry.depth(farther_px));
-  return cv::countNonZero(farther) >= kFartherShare * cv::countNonZero(seen);
+  const int farther = cv::countNonZero(depth_m(around) > geometry.depth(farther_px));
+  return farther >= kFartherShare * cv::countNonZero(depth_m(around) > 0.0);
 }
 
 }  // namespace
 
-bool hasAmbiguousTexture(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
-                         const StereoGeometry& geometry) {
-  const cv::Rect view = viewOfFarPart(box_C, geometry);
-  const double end_m = farthestCorner(box_C);
-  if (view.empty() || !(end_m > 0.0)) return false;
-  const int stride_px =
-      std::max(kPatternStride_px, static_cast<int>(std::ceil(std::sqrt(view.area() / kPatternWindows))));
-  SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kLargestReach_px, nearest_m, geometry);
-  int known = 0, fitting_twice = 0;
-  for (int v = view.y; v < view.br().y; v += stride_px) {
-    for (int u = view.x; u < view.br().x; u += stride_px) {
-      const float own_m = depth_m.at<float>(v, u);
-      if (std::isnan(own_m)) continue;
-      ++known;
-      if (!(own_m > end_m)) continue;
-      fitting_twice += matches.look(u, v, geometry.disparity(own_m), -kBelowZero_px) && !matches.offsets().empty();
-    }
-  }
-  return known >= kFewestKnown && fitting_twice >= kPatternShare * known;
-}
-
-bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& disparity, const cv::Mat& depth_m,
-                  double nearest_m, bool is_told, const StereoGeometry& geometry) {
+bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m, bool is_told,
+                  const StereoGeometry& geometry) {
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
@@ -232,7 +202,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
   for (int v = view.y; v < view.br().y; v += rows_px) {
     for (int u = view.x; u < view.br().x; u += kBarStride_px) {
       const float own_m = depth_m.at<float>(v, u);
-      if (!(own_m > end_m) || !(disparity.texture.at<float>(v, u) >= kBarTexture * disparity.least_texture)) continue;
+      if (!(own_m > end_m)) continue;
       const double own_px = geometry.disparity(own_m);
       fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
       for (const int offset_px : matches.offsets()) bars.push_back({{u, v}, own_px, offset_px});
@@ -245,7 +215,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const Disparity& di
   if (!(shareInARow(railing, view, 1.0) >= kInARow)) return false;
   const double least_px = geometry.disparity(end_m) - railing.surface_px;
   return isTooWideForAFence(byItsPitch(railing, bars), least_px, view, geometry) ||
-         !showsFarther(view, railing.surface_px, disparity, depth_m, geometry);
+         !showsFarther(view, railing.surface_px, depth_m, geometry);
 }
 
 }  // namespace flight_corridor

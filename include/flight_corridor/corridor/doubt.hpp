@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "flight_corridor/geometry/box_view.hpp"
+#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
+#include "flight_corridor/stereo_geometry.hpp"
+
+namespace flight_corridor {
+
+/// Whether something could stand in a box that the images match behind it: pixels whose set of disparities, or whose
+/// distinct competitor, has one in the box. A single pixel finds chance matches; what counts is a patch of them at one
+/// disparity, as large as the smallest obstacle. One object, one thread.
+class Doubt {
+ public:
+  /// @param first_px disparity of bit 0 of the sets.
+  /// @param smallest_obstacle_m edge of a square: a patch of its area is doubt enough.
+  Doubt(const StereoGeometry& geometry, double first_px, double smallest_obstacle_m);
+
+  /// @param evidence of the pair.  @param correction of its disparities.
+  /// @param is_told where a repeated pattern is: then its competitors are none.
+  bool isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_told);
+
+  /// CV_8UC1, 255: pixels that isIn() found last.
+  cv::Mat image() const;
+
+ private:
+  void collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_told);
+  bool holdsPatch(int place, const ScaleCorrection& correction);
+  int root(int label);
+
+  /// A pixel at one of its disparities.
+  struct Candidate {
+    int pixel, place;
+  };
+
+  StereoGeometry geometry_;
+  double first_px_, smallest_m2_;
+  std::vector<Candidate> candidates_;   // in the order of the pixels
+  std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
+  std::vector<int> labels_;             // a pixel; -1: none
+  std::vector<int> parents_, sizes_;    // a label
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace flight_corridor {
+
+/// Disparity for people to look at: matches, and between them what the image's edges and the matches around suggest
+/// (fast global smoother: Min et al. 2014). No evidence.
+/// @param left CV_8UC1.  @param matched_px CV_32FC1 of the same size, NaN = no match.  @param filled_px refilled; NaN
+/// where no match is near.
+void fillDisparity(const cv::Mat& left, const cv::Mat& matched_px, cv::Mat& filled_px);
+
+}  // namespace flight_corridor

@@ -1,0 +1,124 @@
+#include "flight_corridor/corridor/doubt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "flight_corridor/stereo/cost_minima.hpp"
+#include "flight_corridor/stereo/disparity_bits.hpp"
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr double kInside_px = 0.5;  // so much nearer than the box's end a whole disparity is surely in it
+
+}  // namespace
+
+Doubt::Doubt(const StereoGeometry& geometry, double first_px, double smallest_obstacle_m)
+    : geometry_(geometry),
+      first_px_(first_px),
+      smallest_m2_(smallest_obstacle_m * smallest_obstacle_m),
+      labels_(static_cast<std::size_t>(geometry.size().area()), -1) {}
+
+bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+                 bool is_told) {
+  collect(box, evidence, correction, is_told);
+  begins_.assign(static_cast<std::size_t>(8 * evidence.set.channels()) + 1, 0);
+  for (const Candidate& candidate : candidates_) ++begins_[candidate.place + 1];
+  for (std::size_t place = 1; place < begins_.size(); ++place) begins_[place] += begins_[place - 1];
+  by_place_.resize(candidates_.size());
+  std::vector<int>& next = parents_;  // scratch
+  next.assign(begins_.begin(), begins_.end());
+  for (const Candidate& candidate : candidates_) by_place_[next[candidate.place]++] = candidate.pixel;
+  for (int place = 0; place + 1 < static_cast<int>(begins_.size()); ++place) {
+    if (holdsPatch(place, correction)) return true;
+  }
+  return false;
+}
+
+/// Only of pixels that are matched behind the box: what is matched in it is in the map.
+void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+                    bool is_told) {
+  candidates_.clear();
+  const int words = evidence.set.channels() / 8;
+  const int pixels = geometry_.size().area();
+  const float *entry_px = box.entry().ptr<float>(), *exit_px = box.exit().ptr<float>();
+  const float *best_px = evidence.best_px.ptr<float>(), *nearest_px = evidence.nearest_px.ptr<float>();
+  const float* competitors_px[] = {evidence.competitor_farthest_px.ptr<float>(),
+                                   evidence.competitor_nearest_px.ptr<float>()};
+  const auto* set = evidence.set.ptr<std::uint64_t>();
+  for (int i = 0; i < pixels; ++i) {
+    if (!(best_px[i] < exit_px[i])) continue;
+    const bool competes = !is_told && (evidence.flags.data[i] & kCompetitor);
+    if (!competes && nearest_px[i] < exit_px[i]) continue;
+    const double scale = correction.scale(exit_px[i]);
+    if (correction.correct(best_px[i]) >= exit_px[i]) continue;
+    const int first = static_cast<int>(std::ceil(exit_px[i] * scale - first_px_ + kInside_px));
+    const int last = static_cast<int>(std::floor(entry_px[i] * scale - first_px_));
+    for (int word = 0; word < words; ++word) {
+      std::uint64_t bits = set[static_cast<std::size_t>(i) * words + word];
+      for (const float* competitor_px : competitors_px) {
+        const int place = competes ? static_cast<int>(std::lround(competitor_px[i] - first_px_)) : -1;
+        if (place >= 0 && place / 64 == word) bits |= std::uint64_t{1} << place % 64;
+      }
+      for (bits = bitsTo(bitsFrom(bits, word, first), word, last); bits != 0; bits &= bits - 1) {
+        candidates_.push_back({i, 64 * word + lowestBit(bits)});
+      }
+    }
+  }
+}
+
+/// Whether pixels at one disparity that touch each other cover the smallest obstacle's area, (Z/f)^2 = (B/d)^2 each.
+bool Doubt::holdsPatch(int place, const ScaleCorrection& correction) {
+  const int *begin = by_place_.data() + begins_[place], *end = by_place_.data() + begins_[place + 1];
+  const double disparity_px = correction.correct(place + first_px_);
+  if (begin == end || !(disparity_px > 0.0)) return false;
+  const double pixel_m = geometry_.calibration().baseline_m / disparity_px;
+  const double enough = smallest_m2_ / (pixel_m * pixel_m);
+  if (static_cast<double>(end - begin) < enough) return false;
+  const int width = geometry_.size().width;
+  parents_.clear();
+  sizes_.clear();
+  int largest = 0;
+  for (const int* pixel = begin; pixel != end; ++pixel) {
+    const int u = *pixel % width, v = *pixel / width;
+    int label = -1;
+    const auto touch = [&](int du, int dv) {
+      if (u + du < 0 || u + du >= width || v + dv < 0) return;
+      const int other = labels_[*pixel + dv * width + du];
+      if (other < 0) return;
+      const int at = root(other);
+      if (label < 0) {
+        label = at;
+      } else if (at != label) {
+        parents_[at] = label;
+        sizes_[label] += sizes_[at];
+      }
+    };
+    touch(-1, 0);
+    for (const int du : {-1, 0, 1}) touch(du, -1);
+    if (label < 0) {
+      label = static_cast<int>(parents_.size());
+      parents_.push_back(label);
+      sizes_.push_back(0);
+    }
+    labels_[*pixel] = label;
+    largest = std::max(largest, ++sizes_[label]);
+  }
+  for (const int* pixel = begin; pixel != end; ++pixel) labels_[*pixel] = -1;
+  return largest >= enough;
+}
+
+int Doubt::root(int label) {
+  while (parents_[label] != label) label = parents_[label] = parents_[parents_[label]];
+  return label;
+}
+
+cv::Mat Doubt::image() const {
+  cv::Mat image = cv::Mat::zeros(geometry_.size(), CV_8UC1);
+  for (const Candidate& candidate : candidates_) image.data[candidate.pixel] = 255;
+  return image;
+}
+
+}  // namespace flight_corridor

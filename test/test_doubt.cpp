@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "flight_corridor/corridor/doubt.hpp"
+#include "flight_corridor/stereo/cost_minima.hpp"
+#include "support/calibrations.hpp"
+
+namespace flight_corridor {
+namespace {
+
+const StereoGeometry kGeometry(test_support::smallCalibration());  // f*B = 21 px m
+const Box kCorridor{opticalFromForward(), {4.0, 1.2, 0.4}};
+constexpr double kSmallest_m = 0.05, kBlind_m = 0.4;
+constexpr float kWall_px = 3.0f;  // at 7 m
+constexpr int kInTheBox_px = 10;  // at 2.1 m
+const cv::Point kMiddle(160, 120);
+
+/// A wall behind the box of which everything is certain.
+DisparityEvidence wall() {
+  DisparityEvidence evidence;
+  const auto map = [](float value) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(value)); };
+  evidence.best_px = map(kWall_px);
+  evidence.farthest_px = map(kWall_px - 1.0f);
+  evidence.nearest_px = map(kWall_px + 1.0f);
+  evidence.competitor_farthest_px = map(NAN);
+  evidence.competitor_nearest_px = map(NAN);
+  evidence.flags = cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(kConsistent | kDistinct));
+  evidence.set = cv::Mat::zeros(kGeometry.size(), CV_8UC(16));
+  return evidence;
+}
+
+/// Pixels whose set holds another disparity, too.
+void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evidence) {
+  evidence.nearest_px(pixels).setTo(disparity_px + 1.0);
+  for (int v = pixels.y; v < pixels.br().y; ++v) {
+    for (int u = pixels.x; u < pixels.br().x; ++u) {
+      reinterpret_cast<std::uint64_t*>(evidence.set.ptr(v, u))[disparity_px / 64] |= std::uint64_t{1}
+                                                                                     << disparity_px % 64;
+    }
+  }
+}
+
+bool isIn(const DisparityEvidence& evidence, bool is_told = false, const Box& box = kCorridor) {
+  BoxView view(kGeometry);
+  view.look(box, kBlind_m);
+  return Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_told);
+}
+
+/// As many pixels side by side as the smallest obstacle covers in the box.
+cv::Rect smallest() {
+  const double edge_px = kSmallest_m * kGeometry.calibration().fx_px / kGeometry.depth(kInTheBox_px);
+  return {kMiddle, cv::Size(static_cast<int>(std::ceil(edge_px * edge_px)), 1)};
+}
+
+TEST(Doubt, ACertainWallLeavesNone) { EXPECT_FALSE(isIn(wall())); }
+
+TEST(Doubt, APatchThatFitsInTheBoxAsWellIsDoubtASmallerOneIsNot) {
+  DisparityEvidence evidence = wall();
+  cv::Rect patch = smallest();
+  addToSet(patch, kInTheBox_px, evidence);
+  EXPECT_TRUE(isIn(evidence));
+  evidence = wall();
+  patch.width -= 1;
+  addToSet(patch, kInTheBox_px, evidence);
+  EXPECT_FALSE(isIn(evidence));
+}
+
+TEST(Doubt, PixelsOfDifferentDisparitiesOrApartAreNoPatch) {
+  DisparityEvidence evidence = wall();
+  const cv::Rect patch = smallest();
+  for (int i = 0; i < patch.area(); ++i) {
+    addToSet({patch.tl() + cv::Point(i, 0), cv::Size(1, 1)}, kInTheBox_px + i % 4, evidence);
+  }
+  EXPECT_FALSE(isIn(evidence)) << "a disparity of its own";
+  evidence = wall();
+  for (int i = 0; i < patch.area(); ++i) {
+    addToSet({patch.tl() + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px, evidence);
+  }
+  EXPECT_FALSE(isIn(evidence)) << "every second pixel";
+}
+
+TEST(Doubt, ASlantedLineIsAPatch) {
+  DisparityEvidence evidence = wall();
+  for (int i = 0; i < smallest().area(); ++i) {
+    addToSet({kMiddle + cv::Point(i, i / 3), cv::Size(1, 1)}, kInTheBox_px, evidence);
+  }
+  EXPECT_TRUE(isIn(evidence));
+}
+
+TEST(Doubt, WhatFitsBesideOrBehindTheBoxIsNone) {
+  DisparityEvidence evidence = wall();
+  addToSet({10, 10, 30, 30}, kInTheBox_px, evidence);
+  addToSet({kMiddle, cv::Size(30, 30)}, 5, evidence);  // at 4.2 m
+  EXPECT_FALSE(isIn(evidence));
+}
+
+TEST(Doubt, WhatIsMatchedInTheBoxOrNotAtAllIsNone) {
+  for (const float best_px : {7.0f, static_cast<float>(NAN)}) {
+    DisparityEvidence evidence = wall();
+    addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
+    evidence.best_px.setTo(best_px);
+    EXPECT_FALSE(isIn(evidence)) << best_px;
+  }
+}
+
+TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
+  DisparityEvidence evidence = wall();
+  const cv::Rect patch = smallest();
+  evidence.competitor_nearest_px(patch).setTo(kInTheBox_px);
+  evidence.competitor_farthest_px(patch).setTo(kInTheBox_px);
+  EXPECT_FALSE(isIn(evidence)) << "not flagged";
+  evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
+  EXPECT_TRUE(isIn(evidence));
+  EXPECT_FALSE(isIn(evidence, true));
+}
+
+TEST(Doubt, TheImageShowsWhatIsInDoubt) {
+  DisparityEvidence evidence = wall();
+  addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
+  BoxView view(kGeometry);
+  view.look(kCorridor, kBlind_m);
+  Doubt doubt(kGeometry, 0.0, kSmallest_m);
+  doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false);
+  EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
+  EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
+}
+
+}  // namespace
+}  // namespace flight_corridor
