@@ -229,6 +229,7 @@ double Pipeline::toldDepth(const Box& box_C) const {
 }
 
 cv::Mat Pipeline::filledDisparity() const {
+  if (disparity_.best_px.empty()) return {geometry_.size(), CV_32FC1, cv::Scalar(kNaN)};
   cv::Mat filled_px;
   fillDisparity(pair_.left, disparity_.best_px, filled_px);
   return filled_px;

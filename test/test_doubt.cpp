@@ -117,6 +117,38 @@ TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
   EXPECT_FALSE(isIn(evidence, true));
 }
 
+TEST(Doubt, OfCompetitorsOnBothSidesOfTheBoxOneMayBeInIt) {
+  DisparityEvidence evidence = wall();
+  const cv::Rect patch(kMiddle, cv::Size(20, 8));
+  evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
+  evidence.competitor_farthest_px(patch).setTo(1.0);
+  evidence.competitor_nearest_px(patch).setTo(2.0);
+  EXPECT_FALSE(isIn(evidence)) << "both behind";
+  evidence.competitor_nearest_px(patch).setTo(110.0);  // nearer than the blind distance
+  EXPECT_TRUE(isIn(evidence));
+}
+
+TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
+  ScaleCorrection correction((ScaleConfig()));
+  for (int i = 0; i < 200; ++i) correction.update(0.1 * i, 6.0, 5.4, 0.05, 0.0);
+  ASSERT_LT(correction.correct(5.6), 5.2);
+  DisparityEvidence evidence = wall();
+  evidence.best_px.setTo(5.6);  // uncorrected it would be in the box, which ends at 5.25 px
+  addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
+  BoxView view(kGeometry);
+  view.look(kCorridor, kBlind_m);
+  EXPECT_TRUE(Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, correction, false));
+  EXPECT_FALSE(isIn(evidence));
+}
+
+TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
+  DisparityEvidence evidence = wall();
+  addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
+  BoxView view(kGeometry);
+  view.look(kCorridor, 0.0);
+  EXPECT_TRUE(Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
+}
+
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = wall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);

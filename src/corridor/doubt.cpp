@@ -12,6 +12,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kInside_px = 0.5;  // so much nearer than the box's end a whole disparity is surely in it
+constexpr std::size_t kEnough = 4;  // candidates for each pixel of the image: doubt enough
 
 }  // namespace
 
@@ -24,6 +25,7 @@ Doubt::Doubt(const StereoGeometry& geometry, double first_px, double smallest_ob
 bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                  bool is_told) {
   collect(box, evidence, correction, is_told);
+  if (candidates_.size() >= kEnough * labels_.size()) return true;
   begins_.assign(static_cast<std::size_t>(8 * evidence.set.channels()) + 1, 0);
   for (const Candidate& candidate : candidates_) ++begins_[candidate.place + 1];
   for (std::size_t place = 1; place < begins_.size(); ++place) begins_[place] += begins_[place - 1];
@@ -42,30 +44,43 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
                     bool is_told) {
   candidates_.clear();
   const int words = evidence.set.channels() / 8;
-  const int pixels = geometry_.size().area();
+  corrected_px_.resize(static_cast<std::size_t>(64 * words));  // of each place; grows with it
+  for (int place = 0; place < 64 * words; ++place) {
+    const double disparity_px = correction.correct(place + first_px_);
+    corrected_px_[place] = disparity_px > 0.0 ? disparity_px : 0.0;
+  }
+  const auto places_below = [this](double disparity_px) {
+    return static_cast<int>(std::lower_bound(corrected_px_.begin(), corrected_px_.end(), disparity_px) -
+                            corrected_px_.begin());
+  };
   const float *entry_px = box.entry().ptr<float>(), *exit_px = box.exit().ptr<float>();
   const float *best_px = evidence.best_px.ptr<float>(), *nearest_px = evidence.nearest_px.ptr<float>();
-  const float* competitors_px[] = {evidence.competitor_farthest_px.ptr<float>(),
-                                   evidence.competitor_nearest_px.ptr<float>()};
+  const float* farthest_competitor_px = evidence.competitor_farthest_px.ptr<float>();
+  const float* nearest_competitor_px = evidence.competitor_nearest_px.ptr<float>();
   const auto* set = evidence.set.ptr<std::uint64_t>();
-  for (int i = 0; i < pixels; ++i) {
-    if (!(best_px[i] < exit_px[i])) continue;
+  const int pixels = geometry_.size().area();
+  for (int i = 0; i < pixels && candidates_.size() < kEnough * pixels; ++i) {
     const bool competes = !is_told && (evidence.flags.data[i] & kCompetitor);
-    if (!competes && nearest_px[i] < exit_px[i]) continue;
-    const double scale = correction.scale(exit_px[i]);
-    if (correction.correct(best_px[i]) >= exit_px[i]) continue;
-    const int first = static_cast<int>(std::ceil(exit_px[i] * scale - first_px_ + kInside_px));
-    const int last = static_cast<int>(std::floor(entry_px[i] * scale - first_px_));
-    for (int word = 0; word < words; ++word) {
+    if (!(correction.correct(best_px[i]) < exit_px[i])) continue;
+    if (!competes && !(correction.correct(nearest_px[i]) >= exit_px[i])) continue;
+    const int first = places_below(exit_px[i] + kInside_px), end = places_below(entry_px[i]);
+    if (first >= end) continue;
+    for (int word = first / 64; word < words; ++word) {
       std::uint64_t bits = set[static_cast<std::size_t>(i) * words + word];
-      for (const float* competitor_px : competitors_px) {
-        const int place = competes ? static_cast<int>(std::lround(competitor_px[i] - first_px_)) : -1;
-        if (place >= 0 && place / 64 == word) bits |= std::uint64_t{1} << place % 64;
-      }
-      for (bits = bitsTo(bitsFrom(bits, word, first), word, last); bits != 0; bits &= bits - 1) {
+      for (bits = bitsTo(bitsFrom(bits, word, first), word, end - 1); bits != 0; bits &= bits - 1) {
         candidates_.push_back({i, 64 * word + lowestBit(bits)});
       }
     }
+    if (!competes) continue;
+    const int farthest = static_cast<int>(std::lround(farthest_competitor_px[i] - first_px_));
+    const int nearest = static_cast<int>(std::lround(nearest_competitor_px[i] - first_px_));
+    const bool surrounds = farthest < first && nearest >= end;  // of those between nothing is known: one may be in it
+    const auto add = [&](int place) {
+      const bool is_in_set = set[static_cast<std::size_t>(i) * words + place / 64] >> place % 64 & 1u;
+      if (!is_in_set) candidates_.push_back({i, place});
+    };
+    if (surrounds || (first <= farthest && farthest < end)) add(surrounds ? first : farthest);
+    if (nearest != farthest && first <= nearest && nearest < end) add(nearest);
   }
 }
 

@@ -5,6 +5,12 @@
 
 namespace flight_corridor {
 
+namespace {
+
+constexpr double kNearest_m = 1e-3;  // so near nothing is seen, and f*B/Z is a number still
+
+}  // namespace
+
 /// Slabs (Kay and Kajiya 1986): a ray is in the box where it is between all three pairs of sides.
 void BoxView::look(const Box& box_C, double nearest_m) {
   if (nearest_m == nearest_m_ && box_C.T_M_F.matrix() == T_C_F_.matrix() && box_C.size_m == size_m_) return;
@@ -20,7 +26,7 @@ void BoxView::look(const Box& box_C, double nearest_m) {
     for (int u = 0; u < geometry_.size().width; ++u) {
       const Eigen::Array3d ray_F = T_F_C.linear() * geometry_.point(u, v, 1.0);
       const Eigen::Array3d one_m = to_low / ray_F, other_m = to_high / ray_F;  // depths; NaN along a side
-      const double entry_m = std::max(nearest_m, one_m.min(other_m).maxCoeff());
+      const double entry_m = std::max({kNearest_m, nearest_m, one_m.min(other_m).maxCoeff()});
       const double exit_m = one_m.max(other_m).minCoeff();
       const bool meets = entry_m < exit_m;
       constexpr float kInf = std::numeric_limits<float>::infinity();

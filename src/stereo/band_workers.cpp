@@ -1,9 +1,16 @@
 #include "flight_corridor/stereo/band_workers.hpp"
 
+#include <cstddef>
+#include <system_error>
+
 namespace flight_corridor {
 
 BandWorkers::BandWorkers(int threads) {
-  for (int thread = 1; thread < threads; ++thread) threads_.emplace_back([this, thread] { work(thread); });
+  threads_.reserve(static_cast<std::size_t>(threads - 1));
+  try {
+    for (int thread = 1; thread < threads; ++thread) threads_.emplace_back([this, thread] { work(thread); });
+  } catch (const std::system_error&) {  // no thread to be had: those that are do the work
+  }
 }
 
 BandWorkers::~BandWorkers() {

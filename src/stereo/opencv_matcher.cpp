@@ -98,7 +98,8 @@ void OpencvMatcher::write(DisparityEvidence& out) const {
       std::int16_t fixed = matched.at<std::int16_t>(v, u);
       const bool is_filled = confidence.at<float>(v, u) >= config_.wls_min_confidence;
       if (fixed < smallest && is_filled) fixed = filtered.at<std::int16_t>(v, u);
-      const bool is_valid = fixed >= smallest && fixed <= u * kFixedPoint;  // on the right image
+      const int farthest = std::max(smallest, (u - (out.best_px.cols - 1)) * kFixedPoint);  // on the right image
+      const bool is_valid = farthest <= fixed && fixed <= u * kFixedPoint;
       const float none = std::numeric_limits<float>::quiet_NaN();
       out.best_px.at<float>(v, u) =
           is_valid ? plausible(static_cast<float>(fixed) / kFixedPoint - difference_px) : none;

@@ -193,8 +193,8 @@ int main(int argc, char** argv) {
       .optional("map", "M.ot", "file for the last map: .ot with log-odds, .bt with free, occupied and unknown only")
       .optional(
           "overlays", "DIR",
-          "folder for pictures of overlay, matched depth (white: texture that lacks a match), filled depth and map, "
-          "one at each change of verdict")
+          "folder for pictures of overlay, matched depth (white: matched behind the box, but fits in it as well), "
+          "filled depth and map, one at each change of verdict")
       .optional("overlay-every", "N", "... and one at every N frames", "0")
       .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")
       .optional("video", "V.avi", "video of overlay, depth and the map from above");

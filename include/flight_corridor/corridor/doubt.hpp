@@ -40,6 +40,7 @@ class Doubt {
 
   StereoGeometry geometry_;
   double first_px_, smallest_m2_;
+  std::vector<double> corrected_px_;    // a place
   std::vector<Candidate> candidates_;   // in the order of the pixels
   std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
   std::vector<int> labels_;             // a pixel; -1: none

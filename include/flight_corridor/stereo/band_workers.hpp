@@ -10,7 +10,7 @@ namespace flight_corridor {
 /// Threads that wait for jobs of some independent parts. Unlike OpenCV's, starting a job allocates no memory.
 class BandWorkers {
  public:
-  /// @param threads that work on a job, the caller of run() included; 1 or more.
+  /// @param threads that work on a job, the caller of run() included; 1 or more. Fewer work where the system has none.
   explicit BandWorkers(int threads);
   ~BandWorkers();
   BandWorkers(const BandWorkers&) = delete;
