@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <map>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -22,6 +22,8 @@ constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or b
 
 constexpr int kBarStride_px = 2;
 constexpr double kBarWindows = 3000.0;  // looked at, at the most: fewer rows, for columns meet the bars' pitch
+constexpr float kBarTexture = 3.0f;     // grey levels: mean gradient along the row in a window's middle
+constexpr int kMiddle_px = 3;           // ... which is so wide and high
 constexpr double kLargestScale = 1.2;   // largest factor from a told depth to the true one
 constexpr double kBeside_px = 2.0;      // so far beside its surface a window may fit
 constexpr int kFewestFitting = 40;      // windows; fewer say nothing
@@ -179,6 +181,15 @@ bool isTooWideForAFence(const Railing& railing, double least_px, const cv::Rect&
          shareInARow(railing, view, 0.0) >= kWideInARow;
 }
 
+/// Mean gradient along the row around each pixel [grey levels], CV_32FC1.
+cv::Mat textureOf(const cv::Mat& image) {
+  cv::Mat gradient, texture;
+  cv::Sobel(image, gradient, CV_16S, 1, 0, 1, 0.5);
+  cv::convertScaleAbs(gradient, gradient);
+  cv::boxFilter(gradient, texture, CV_32F, {kMiddle_px, kMiddle_px});
+  return texture;
+}
+
 /// Whether much of what is seen in and around a view is behind a surface.
 bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_m, const StereoGeometry& geometry) {
   const cv::Rect around = cv::Rect(view.tl() - cv::Point(view.size()), view.size() * 3) & cv::Rect({}, depth_m.size());
@@ -197,12 +208,13 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& dept
   if (view.empty() || !(end_m > 0.0)) return false;
   SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kReach_px, nearest_m, geometry);
   const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
+  const cv::Mat texture = textureOf(pair.left);
   std::vector<Bar> bars;
   int fitting = 0;
   for (int v = view.y; v < view.br().y; v += rows_px) {
     for (int u = view.x; u < view.br().x; u += kBarStride_px) {
       const float own_m = depth_m.at<float>(v, u);
-      if (!(own_m > end_m)) continue;
+      if (!(own_m > end_m) || texture.at<float>(v, u) < kBarTexture) continue;
       const double own_px = geometry.disparity(own_m);
       fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
       for (const int offset_px : matches.offsets()) bars.push_back({{u, v}, own_px, offset_px});
