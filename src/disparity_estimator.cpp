@@ -55,11 +55,7 @@ void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   out.matched_fraction = cv::countNonZero(out.best_px == out.best_px) / static_cast<double>(out.best_px.total());
 }
 
-double DisparityEstimator::firstDisparity() const {
-  return smallestDisparity(geometry_) - geometry_.principalPointDifference();
-}
-
-double DisparityEstimator::nearestDepth() const { return geometry_.depth(firstDisparity() + num_disparities_ - 1); }
+double DisparityEstimator::nearestDepth() const { return geometry_.depth(firstDisparity(geometry_) + num_disparities_ - 1); }
 
 /// 0 <= u = fx x/z + cx is fx x + cx z >= 0, and so on; in the right image x is less by the baseline.
 ConvexRegion DisparityEstimator::observable() const {

@@ -68,7 +68,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       corridor_(config.corridor),
       recent_block_(config.corridor.hold_s, config.map.resolution_m),
       box_view_(geometry),
-      doubt_(geometry, disparity_estimator_.firstDisparity(), config.corridor.smallest_obstacle_m) {
+      doubt_(geometry, config.corridor.smallest_obstacle_m) {
   requireSight(config.corridor, geometry, nearestDepth());
   if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry, nearestDepth());
 }
@@ -253,7 +253,7 @@ Verdict Pipeline::query(const Box& box) const {
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (stateOf(verdict.reasons) != State::Blocked && !depth_m_.empty()) {
     BoxView view(geometry_);
-    Doubt doubt(geometry_, disparity_estimator_.firstDisparity(), config_.corridor.smallest_obstacle_m);
+    Doubt doubt(geometry_, config_.corridor.smallest_obstacle_m);
     verdict.reasons |= doubts(inCamera(box), view, doubt);
   }
   if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;

@@ -7,6 +7,7 @@
 
 #include "flight_corridor/stereo/cost_minima.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
 
 namespace flight_corridor {
 namespace {
@@ -60,7 +61,7 @@ TEST(EvidenceMatcher, KeepsTheSetThatTheBoundsBelongTo) {
   DisparityEvidence evidence;
   matcher.match(shifted(20), evidence);
   const auto inSet = [&](int u, int v, float disparity_px) {
-    const int bit = static_cast<int>(std::lround(disparity_px - matcher.firstDisparity()));
+    const int bit = static_cast<int>(std::lround(disparity_px - firstDisparity(geometry(0.5))));
     return evidence.set.ptr(v, u)[bit / 8] >> bit % 8 & 1;
   };
   for (int v = 0; v < kSize.height; ++v) {

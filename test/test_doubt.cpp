@@ -6,6 +6,7 @@
 
 #include "flight_corridor/corridor/doubt.hpp"
 #include "flight_corridor/stereo/cost_minima.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {
@@ -32,13 +33,16 @@ DisparityEvidence wall() {
   return evidence;
 }
 
+/// Where a set has a disparity.
+int placeOf(int disparity_px) { return disparity_px - static_cast<int>(firstDisparity(kGeometry)); }
+
 /// Pixels whose set holds another disparity, too.
 void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evidence) {
   evidence.nearest_px(pixels).setTo(disparity_px + 1.0);
   for (int v = pixels.y; v < pixels.br().y; ++v) {
     for (int u = pixels.x; u < pixels.br().x; ++u) {
-      reinterpret_cast<std::uint64_t*>(evidence.set.ptr(v, u))[disparity_px / 64] |= std::uint64_t{1}
-                                                                                     << disparity_px % 64;
+      reinterpret_cast<std::uint64_t*>(evidence.set.ptr(v, u))[placeOf(disparity_px) / 64] |=
+          std::uint64_t{1} << placeOf(disparity_px) % 64;
     }
   }
 }
@@ -46,7 +50,7 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
 bool isIn(const DisparityEvidence& evidence, bool is_told = false, const Box& box = kCorridor) {
   BoxView view(kGeometry);
   view.look(box, kBlind_m);
-  return Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_told);
+  return Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_told);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
@@ -137,7 +141,7 @@ TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
   BoxView view(kGeometry);
   view.look(kCorridor, kBlind_m);
-  EXPECT_TRUE(Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, correction, false));
+  EXPECT_TRUE(Doubt(kGeometry, kSmallest_m).isIn(view, evidence, correction, false));
   EXPECT_FALSE(isIn(evidence));
 }
 
@@ -146,7 +150,7 @@ TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
   BoxView view(kGeometry);
   view.look(kCorridor, 0.0);
-  EXPECT_TRUE(Doubt(kGeometry, 0.0, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
+  EXPECT_TRUE(Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
@@ -154,7 +158,7 @@ TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
   BoxView view(kGeometry);
   view.look(kCorridor, kBlind_m);
-  Doubt doubt(kGeometry, 0.0, kSmallest_m);
+  Doubt doubt(kGeometry, kSmallest_m);
   doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);

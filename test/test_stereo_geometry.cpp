@@ -34,6 +34,12 @@ TEST(StereoGeometry, DepthIsFocalLengthTimesBaselineOverDisparity) {
   EXPECT_DOUBLE_EQ(StereoGeometry(vgaCalibration()).depth(10.5), 4.0);  // 350 * 0.12 / 10.5
 }
 
+TEST(StereoGeometry, APixelCoversBaselineOverDisparity) {
+  const StereoGeometry geometry(vgaCalibration());
+  EXPECT_DOUBLE_EQ(geometry.pixelEdge(10.5), 4.0 / 350.0);
+  EXPECT_TRUE(std::isnan(geometry.pixelEdge(0.0)));
+}
+
 TEST(StereoGeometry, WhatLiesBehindTheCameraHasNoPixelAndNoDisparity) {
   const StereoGeometry geometry(vgaCalibration());
   EXPECT_TRUE(geometry.project({0, 0, -1}).hasNaN());

@@ -36,9 +36,6 @@ class DisparityEstimator {
   /// @param out refilled.
   void estimate(const StereoFrame& frame, Disparity& out);
 
-  /// Disparity of bit 0 of the sets [px].
-  double firstDisparity() const;
-
   /// Where in C a surface is on both images. Also where it is too near for the disparities searched.
   ConvexRegion observable() const;
 

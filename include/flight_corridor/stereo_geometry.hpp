@@ -40,6 +40,10 @@ class StereoGeometry {
   /// d = f*B/Z.  @return [px]; NaN unless Z > 0.
   double disparity(double depth_m) const { return depth_m > 0.0 ? focal_baseline_px_m_ / depth_m : kNaN; }
 
+  /// What a pixel covers of a surface that faces the camera: Z/f = B/d, along the row.  @return its edge [m]; NaN unless
+  /// d > 0.
+  double pixelEdge(double disparity_px) const { return depth(disparity_px) / calibration_.fx_px; }
+
   /// sigma_Z = Z^2/(f*B) * sigma_d, first-order propagation of Z = f*B/d.  @return [m].
   double depthSigma(double depth_m, double disparity_sigma_px) const {
     return depth_m * depth_m / focal_baseline_px_m_ * disparity_sigma_px;

@@ -6,6 +6,7 @@
 
 #include "flight_corridor/stereo/cost_minima.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
 
 namespace flight_corridor {
 
@@ -16,9 +17,9 @@ constexpr std::size_t kEnough = 4;  // candidates for each pixel of the image: d
 
 }  // namespace
 
-Doubt::Doubt(const StereoGeometry& geometry, double first_px, double smallest_obstacle_m)
+Doubt::Doubt(const StereoGeometry& geometry, double smallest_obstacle_m)
     : geometry_(geometry),
-      first_px_(first_px),
+      first_px_(firstDisparity(geometry)),
       smallest_m2_(smallest_obstacle_m * smallest_obstacle_m),
       labels_(static_cast<std::size_t>(geometry.size().area()), -1) {}
 
@@ -84,12 +85,12 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
   }
 }
 
-/// Whether pixels at one disparity that touch each other cover the smallest obstacle's area, (Z/f)^2 = (B/d)^2 each.
+/// Whether pixels at one disparity that touch each other cover the smallest obstacle's area.
 bool Doubt::holdsPatch(int place, const ScaleCorrection& correction) {
   const int *begin = by_place_.data() + begins_[place], *end = by_place_.data() + begins_[place + 1];
   const double disparity_px = correction.correct(place + first_px_);
   if (begin == end || !(disparity_px > 0.0)) return false;
-  const double pixel_m = geometry_.calibration().baseline_m / disparity_px;
+  const double pixel_m = geometry_.pixelEdge(disparity_px);
   const double enough = smallest_m2_ / (pixel_m * pixel_m);
   if (static_cast<double>(end - begin) < enough) return false;
   const int width = geometry_.size().width;

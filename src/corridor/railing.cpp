@@ -39,10 +39,10 @@ constexpr double kFartherShare = 0.1;      // of it, at least
 /// What small windows of the left image, matched behind a box, fit on in the box.
 class SecondMatches {
  public:
-  SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, int reach_px, double nearest_m,
+  SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, double nearest_m,
                 const StereoGeometry& geometry)
       : geometry_(geometry),
-        matcher_(pair.left, pair.right, rows, reach_px),
+        matcher_(pair.left, pair.right, rows),
         nearest_px_(wholePixels(geometry.disparity(nearest_m))),
         end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))) {}
 
@@ -206,7 +206,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& dept
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
-  SecondMatches matches(box_C, pair, {view.y, view.br().y}, WindowMatcher::kReach_px, nearest_m, geometry);
+  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry);
   const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
   const cv::Mat texture = textureOf(pair.left);
   std::vector<Bar> bars;

@@ -17,8 +17,8 @@ bool isOneSurface(float one_px, float other_px) { return std::abs(one_px - other
 }  // namespace
 
 CoherentMatches::CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m)
-    : size_(geometry.size()),
-      baseline_m_(geometry.calibration().baseline_m),
+    : geometry_(geometry),
+      size_(geometry.size()),
       least_m2_(smallest_obstacle_m * smallest_obstacle_m),
       labels_(static_cast<std::size_t>(size_.area())) {}
 
@@ -39,7 +39,7 @@ void CoherentMatches::keep(cv::Mat& disparity_px) {
   }
 }
 
-/// A pixel's area at its distance: (Z/f)^2 = (B/d)^2; none where nothing is matched.
+/// A run's area is that of its pixels, each at its own distance; none where nothing is matched.
 void CoherentMatches::labelRow(int v, const float* row, const float* above) {
   int* labels = &labels_[static_cast<std::size_t>(v) * size_.width];
   const int* labels_above = labels - size_.width;
@@ -52,7 +52,7 @@ void CoherentMatches::labelRow(int v, const float* row, const float* above) {
     }
     const int label = labels[u] = static_cast<int>(parents_.size()) - 1;
     if (!(row[u] > 0.0f)) continue;
-    const double edge_m = baseline_m_ / row[u];
+    const double edge_m = geometry_.pixelEdge(row[u]);
     areas_m2_[root(label)] += edge_m * edge_m;
     if (above == nullptr) continue;
     for (int beside = std::max(0, u - 1); beside <= std::min(size_.width - 1, u + 1); ++beside) {

@@ -17,9 +17,8 @@ namespace flight_corridor {
 /// disparity, as large as the smallest obstacle. One object, one thread.
 class Doubt {
  public:
-  /// @param first_px disparity of bit 0 of the sets.
   /// @param smallest_obstacle_m edge of a square: a patch of its area is doubt enough.
-  Doubt(const StereoGeometry& geometry, double first_px, double smallest_obstacle_m);
+  Doubt(const StereoGeometry& geometry, double smallest_obstacle_m);
 
   /// @param evidence of the pair.  @param correction of its disparities.
   /// @param is_told where a repeated pattern is: then its competitors are none.

@@ -22,8 +22,9 @@ class CoherentMatches {
   int root(int label);
   void join(int one, int other);
 
+  StereoGeometry geometry_;
   cv::Size size_;
-  double baseline_m_, least_m2_;
+  double least_m2_;
   std::vector<int> labels_;       // a pixel: of its run along the row
   std::vector<int> parents_;      // a label: itself, or one of the same patch
   std::vector<double> areas_m2_;  // a label; whole at a root

@@ -35,9 +35,6 @@ class EvidenceMatcher {
   /// @throws std::invalid_argument naming the image that is not, and why.
   void match(const StereoFrame& frame, DisparityEvidence& out);
 
-  /// Of bit 0 of a set [px], principal-point difference removed.
-  double firstDisparity() const { return first_px_; }
-
  private:
   void create(DisparityEvidence& out);
   void toPixels(DisparityEvidence& out) const;

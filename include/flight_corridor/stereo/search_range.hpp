@@ -17,6 +17,11 @@ inline int smallestDisparity(const StereoGeometry& geometry) {
   return static_cast<int>(std::floor(geometry.principalPointDifference())) - kBelowZero_px;
 }
 
+/// The disparity of bit 0 of the sets, principal-point difference removed [px].
+inline double firstDisparity(const StereoGeometry& geometry) {
+  return smallestDisparity(geometry) - geometry.principalPointDifference();
+}
+
 /// A match far below zero is a wrong one: NaN; a little below it is as far as can be told.
 inline float plausible(float disparity_px) {
   if (!(disparity_px >= -kLargestOffset_px)) return std::numeric_limits<float>::quiet_NaN();
