@@ -55,7 +55,6 @@ OpencvMatcher::OpencvMatcher(const OpencvConfig& config, const StereoGeometry& g
     : config_(config),
       geometry_(geometry),
       min_disparity_px_(smallestDisparity(geometry)),
-      num_disparities_(num_disparities),
       pad_left_px_(std::max(0, min_disparity_px_ + num_disparities)),
       pad_right_px_(std::max(0, -min_disparity_px_)),
       image_area_({pad_left_px_, 0}, geometry.size()) {

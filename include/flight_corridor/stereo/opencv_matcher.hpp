@@ -39,7 +39,7 @@ class OpencvMatcher {
 
   OpencvConfig config_;
   StereoGeometry geometry_;
-  int min_disparity_px_, num_disparities_;
+  int min_disparity_px_;
   int pad_left_px_,
       pad_right_px_;     // SGBM skips columns that cannot see its whole search range: padding brings them back
   cv::Rect image_area_;  // of the padded images
