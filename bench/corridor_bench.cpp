@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "flight_corridor/corridor.hpp"
-#include "flight_corridor/disparity_estimator.hpp"
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "sim/simulation.hpp"
 
 namespace {

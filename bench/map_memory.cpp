@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "../test/support/exact_depth.hpp"
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
 #include "sim/rig.hpp"
 
 namespace {

@@ -1,7 +1,7 @@
 // Cost of the range fusion for one frame: what arrives between two stereo pairs at 30 Hz.
 #include <benchmark/benchmark.h>
 
-#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
 
 namespace {
 

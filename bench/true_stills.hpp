@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor::bench {

@@ -27,9 +27,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
-#include "flight_corridor/range_fusion.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
 #include "ros/conversions.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"

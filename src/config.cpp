@@ -10,6 +10,15 @@ void append(Violations& all, const Violations& some) { all.insert(all.end(), som
 
 }  // namespace
 
+Violations check(const CloudConfig& config) {
+  Rules rules("cloud");
+  rules.require(config.max_range_m > 0.0, "max_range_m", "positive", config.max_range_m);
+  rules.require(0 <= config.min_neighbours && config.min_neighbours <= 8, "min_neighbours", "0 to 8",
+                config.min_neighbours);
+  rules.require(config.disparity_sigma_px > 0.0, "disparity_sigma_px", "positive", config.disparity_sigma_px);
+  return rules.broken();
+}
+
 Violations check(const Config& config) {
   Violations broken;
   append(broken, check(config.stereo));

@@ -8,15 +8,14 @@
 #include <stdexcept>
 
 #include "flight_corridor/corridor/railing.hpp"
-#include "flight_corridor/cross_sections.hpp"
-#include "flight_corridor/view/fill.hpp"
+#include "flight_corridor/geometry/cross_sections.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
-    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage;
+    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kDisagreement | kLidarNearer;
 
 constexpr double kLatestSight = 0.75;  // of the corridor: of its last quarter, the end, all has to be known
 
@@ -62,8 +61,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       geometry_(geometry),
       rig_(rig),
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
-      range_tracker_(config, geometry, rig.T_C_L),
-      cloud_builder_(config.cloud, geometry),
+      range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, nearestDepth()),
       corridor_(config.corridor),
       recent_block_(config.corridor.hold_s, config.map.resolution_m),
@@ -83,7 +81,6 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   image_faults_ = images_.faults(frame);
   frame.left.copyTo(pair_.left);
   frame.right.copyTo(pair_.right);
-  cloud_is_current_ = false;
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
     const Stopwatch stage(report_.times.stereo_ms);
@@ -95,7 +92,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
-    cloud_builder_.depth(disparity_.best_px, range_tracker_.scale(), depth_m_);
+    correctedDepth(disparity_.best_px, scale(), geometry_, depth_m_);
   }
   {
     const Stopwatch stage(report_.times.map_ms);
@@ -179,7 +176,7 @@ void Pipeline::decide() {
   verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  verdict.reasons = reasonsOf(occupancy, box()) | doubts_ | report_.range_reasons;
+  verdict.reasons = mapReasons(occupancy, box()) | doubts_ | reasonsOf(report_);
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   if (beam_end_m) verdict.reasons |= kShortRange;
   if (stateOf(verdict.reasons) == State::Blocked) {
@@ -187,22 +184,13 @@ void Pipeline::decide() {
   } else if (recent_block_.mayRemain(verdict.stamp_s, frameMap(), boxInCamera())) {
     verdict.reasons |= kRecentlyBlocked;
   }
-  verdict.state = state(verdict.reasons);
+  verdict.state = stateOf(verdict.reasons);
 }
 
-/// What the map says of a box, and the newest image of things that the map does not hold.
-std::uint32_t Pipeline::reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const {
-  std::uint32_t reasons = 0;
-  if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
-  if (!(occupancy.unknown_fraction <= config_.corridor.max_unknown_fraction)) reasons |= kUnobserved;
-  if (reasons & kOccupiedCell) return reasons;
-  if (map_.showsOutline(box_M)) reasons |= kOutline;
-  return reasons;
-}
-
-State Pipeline::state(std::uint32_t reasons) const {
-  const State state = stateOf(reasons);
-  return state == State::Free && report_.lidar_is_nearer ? State::Unknown : state;
+/// What the map says of a box.
+std::uint32_t Pipeline::mapReasons(const CorridorOccupancy& occupancy, const Box& box_M) const {
+  const std::uint32_t reasons = reasonsOf(occupancy, config_.corridor.max_unknown_fraction);
+  return reasons & kOccupiedCell || !map_.showsOutline(box_M) ? reasons : reasons | kOutline;
 }
 
 /// Why the newest pair's matches are not enough to call a box free.
@@ -211,7 +199,7 @@ std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) co
   view.look(box_C, config_.corridor.blind_m);
   std::uint32_t reasons = 0;
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  if (doubt.isIn(view, disparity_, range_tracker_.scale(), is_told) ||
+  if (doubt.isIn(view, disparity_, scale(), is_told) ||
       mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_told, geometry_)) {
     reasons |= kUnmatched;
   }
@@ -228,19 +216,6 @@ double Pipeline::toldDepth(const Box& box_C) const {
   return tells ? met_C.z() : kNaN;
 }
 
-cv::Mat Pipeline::filledDisparity() const {
-  if (disparity_.best_px.empty()) return {geometry_.size(), CV_32FC1, cv::Scalar(kNaN)};
-  cv::Mat filled_px;
-  fillDisparity(pair_.left, disparity_.best_px, filled_px);
-  return filled_px;
-}
-
-cv::Mat Pipeline::filledDepth() const {
-  cv::Mat filled_m;
-  cloud_builder_.depth(filledDisparity(), range_tracker_.scale(), filled_m);
-  return filled_m;
-}
-
 Verdict Pipeline::query(const Box& box) const {
   throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
   const CorridorOccupancy occupancy = inspectBox(map_.tree(), box, ConvexRegion());
@@ -249,15 +224,14 @@ Verdict Pipeline::query(const Box& box) const {
   verdict.clear_distance_m = occupancy.clear_distance_m;
   verdict.unknown_fraction = occupancy.unknown_fraction;
 
-  verdict.reasons = reasonsOf(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
+  verdict.reasons = mapReasons(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
   if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
   if (stateOf(verdict.reasons) != State::Blocked && !depth_m_.empty()) {
     BoxView view(geometry_);
     Doubt doubt(geometry_, config_.corridor.smallest_obstacle_m);
     verdict.reasons |= doubts(inCamera(box), view, doubt);
   }
-  if (report_.lidar_is_nearer) verdict.reasons |= kDisagreement;
-  verdict.state = state(verdict.reasons);
+  verdict.state = stateOf(verdict.reasons);
   return verdict;
 }
 
@@ -265,8 +239,8 @@ Verdict Pipeline::query(const Box& box) const {
 /// paper, carried to the volume. While the sensors disagree the nearer one rules.
 std::optional<double> Pipeline::beamEndInBox() const {
   double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
-  if (report_.range.disagreement) {
-    range_m = std::fmin(range_m, report_.range.disagreeing_m);
+  if (report_.range.dissent) {
+    range_m = std::fmin(range_m, report_.range.dissent->range_m);
     nearest_m = std::fmin(nearest_m, range_m);
   }
   if (!std::isfinite(nearest_m)) return std::nullopt;
@@ -275,14 +249,6 @@ std::optional<double> Pipeline::beamEndInBox() const {
       contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
   if (!ends_inside) return std::nullopt;  // a large sigma reaches behind the box
   return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
-}
-
-const Cloud& Pipeline::cloud() {
-  if (!cloud_is_current_ && !pair_.left.empty()) {
-    cloud_builder_.cloud(depth_m_, pair_.left, config_.map.resolution_m, cloud_);
-    cloud_is_current_ = true;
-  }
-  return cloud_;
 }
 
 void Pipeline::takeOver(const Pipeline& before) {

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/types.hpp"
 #include "ros/conversions.hpp"
 #include "support/stereo_inputs.hpp"

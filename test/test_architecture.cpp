@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,47 @@ TEST(Architecture, CoreAndSimulationIncludeNoRosHeader) {
   const auto files = coreFiles();
   ASSERT_GT(files.size(), 60u);
   for (const fs::path& file : files) EXPECT_EQ(rosIncludes(file), std::vector<std::string>());
+}
+
+/// The wing that a file of the core lies in: a folder, or "" for what composes them.
+std::string wingOf(const fs::path& file) {
+  const fs::path folder = file.parent_path().filename();
+  return folder == "src" || folder == "flight_corridor" ? "" : folder.string();
+}
+
+TEST(Architecture, ArrowsBetweenTheWingsPointDownwards) {
+  static const std::map<std::string, std::set<std::string>> may_use{
+      {"geometry", {}},
+      {"stereo", {"geometry"}},
+      {"range", {"geometry"}},
+      {"map", {"geometry"}},
+      {"corridor", {"geometry", "stereo", "range", "map"}},
+      {"", {"geometry", "stereo", "range", "map", "corridor"}},
+      {"view", {"geometry", "stereo", "range", "map", "corridor", ""}}};
+  static const std::regex own("#include \"flight_corridor/(?:(\\w+)/)?(\\w+)\\.hpp\"");
+  int arrows = 0;
+  for (const fs::path& file : coreFiles()) {
+    const std::string wing = wingOf(file);
+    if (wing == "sim") continue;
+    ASSERT_TRUE(may_use.count(wing)) << file;
+    std::ifstream stream(file);
+    std::smatch match;
+    for (std::string line; std::getline(stream, line);) {
+      if (!std::regex_match(line, match, own) || match[1] == wing || match[2] == "types") continue;
+      EXPECT_TRUE(may_use.at(wing).count(match[1])) << file << ": " << line;
+      ++arrows;
+    }
+  }
+  EXPECT_GT(arrows, 60);
+}
+
+TEST(Architecture, OnlyTheViewKnowsPcl) {
+  for (const fs::path& file : coreFiles()) {
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) {
+      EXPECT_TRUE(line.rfind("#include <pcl/", 0) != 0 || wingOf(file) == "view") << file << ": " << line;
+    }
+  }
 }
 
 TEST(Architecture, RosHeadersWouldBeFound) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "flight_corridor/beam_footprint.hpp"
+#include "flight_corridor/range/beam_footprint.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

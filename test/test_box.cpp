@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "flight_corridor/box.hpp"
+#include "flight_corridor/geometry/box.hpp"
 #include "sim/truth.hpp"
 #include "support/random_pose.hpp"
 

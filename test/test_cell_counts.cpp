@@ -3,7 +3,7 @@
 #include <map>
 #include <random>
 
-#include "flight_corridor/cell_counts.hpp"
+#include "flight_corridor/map/cell_counts.hpp"
 
 namespace flight_corridor {
 namespace {

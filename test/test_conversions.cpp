@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
 #include "ros/stereo_subscriber.hpp"
 
@@ -304,7 +304,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked},
                                                       {CorridorState::FROZEN_IMAGE, kFrozenImage},
                                                       {CorridorState::UNMATCHED, kUnmatched},
-                                                      {CorridorState::OUTLINE, kOutline}};
+                                                      {CorridorState::OUTLINE, kOutline},
+                                                      {CorridorState::LIDAR_NEARER, kLidarNearer}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }
 

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "support/random_octree.hpp"
 
 namespace flight_corridor {

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "support/random_octree.hpp"
 #include "support/random_pose.hpp"
 

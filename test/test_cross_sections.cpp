@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/geometry/cross_sections.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "flight_corridor/depth_pyramid.hpp"
+#include "flight_corridor/map/depth_pyramid.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

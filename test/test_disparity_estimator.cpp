@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 

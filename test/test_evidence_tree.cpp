@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "flight_corridor/evidence_tree.hpp"
+#include "flight_corridor/map/evidence_tree.hpp"
 
 namespace flight_corridor {
 namespace {

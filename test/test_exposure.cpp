@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "flight_corridor/exposure.hpp"
+#include "flight_corridor/stereo/exposure.hpp"
 
 namespace flight_corridor {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
-#include "flight_corridor/free_space.hpp"
+#include "flight_corridor/map/free_space.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "flight_corridor/hit_rule.hpp"
+#include "flight_corridor/map/hit_rule.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "flight_corridor/lidar_watch.hpp"
+#include "flight_corridor/range/lidar_watch.hpp"
 
 namespace flight_corridor {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 #include "ros/map_conversions.hpp"
 

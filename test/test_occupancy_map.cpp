@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 

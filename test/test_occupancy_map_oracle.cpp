@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
 #include "sim/flight.hpp"
 #include "sim/rig.hpp"
 #include "support/calibrations.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/overlay.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

@@ -54,8 +54,8 @@ std::set<std::string> fieldsIn(const std::string& header) {
 
 TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
   std::set<std::string> declared = fieldsIn(kSource + "/src/ros/params.hpp");
-  for (const char* module : {"disparity_estimator", "beam_footprint", "range_fusion", "scale_correction",
-                             "cloud_builder", "map_config", "corridor"}) {
+  for (const char* module : {"stereo/disparity_estimator", "range/beam_footprint", "range/range_fusion",
+                             "range/scale_correction", "config", "map/map_config", "corridor/corridor"}) {
     declared.merge(fieldsIn(kSource + "/include/flight_corridor/" + module + ".hpp"));
   }
   for (std::string key : fieldsIn(kSource + "/include/flight_corridor/stereo/opencv_matcher.hpp")) {

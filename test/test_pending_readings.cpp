@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "flight_corridor/pending_readings.hpp"
+#include "flight_corridor/range/pending_readings.hpp"
 
 namespace flight_corridor {
 namespace {

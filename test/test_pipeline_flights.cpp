@@ -155,7 +155,7 @@ TEST(PipelineFlights, ALidarThatMetAPatternTellsOfItUntilSomethingNearerIsMet) {
     }
     if (meets_nearer) pipeline.addRange(nearer);
     const Report& report = pipeline.process(pair);
-    EXPECT_EQ(report.range_reasons & kLidarRejected, kLidarRejected);
+    EXPECT_EQ(reasonsOf(report) & kLidarRejected, kLidarRejected);
     EXPECT_EQ((report.verdict.reasons & kUnmatched) != 0, meets_nearer) << describeReasons(report.verdict.reasons);
     EXPECT_EQ(report.verdict.state, meets_nearer ? State::Unknown : State::Free);
   }

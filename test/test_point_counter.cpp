@@ -5,7 +5,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 
-#include "flight_corridor/point_counter.hpp"
+#include "flight_corridor/map/point_counter.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "flight_corridor/box.hpp"
+#include "flight_corridor/geometry/box.hpp"
 #include "ros/processor.hpp"
 #include "support/stereo_inputs.hpp"
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/railing.hpp"
-#include "flight_corridor/cross_sections.hpp"
+#include "flight_corridor/geometry/cross_sections.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
 
 namespace {
 std::atomic<int> allocations{0};

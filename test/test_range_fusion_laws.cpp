@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
 #include "support/range_trace.hpp"
 
 namespace flight_corridor {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "flight_corridor/range_tracker.hpp"
+#include "flight_corridor/range/range_tracker.hpp"
 #include "support/calibrations.hpp"
 #include "support/pipeline_inputs.hpp"
 
@@ -18,7 +18,7 @@ const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 /// A surface across the view.
 cv::Mat showing(double disparity_px) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
 
-RangeTracker trackerWithLidar() { return {Config(), kGeometry, rigWithLidar().T_C_L}; }
+RangeTracker trackerWithLidar() { return {{}, {}, {}, kGeometry, rigWithLidar().T_C_L}; }
 
 /// Half a second of both sensors; a LiDAR that repeats itself does so to the last bit.
 TrackedRange trackedFor(RangeTracker& tracker, double lidar_m, const cv::Mat& disparity_px, bool repeats = false) {
@@ -39,24 +39,24 @@ TEST(RangeTracker, BothSensorsTellOneRange) {
   EXPECT_NEAR(tracked.range_stereo_m, 3.0, 1e-6);
   EXPECT_EQ(tracked.stereo_outcome, Outcome::Accepted);
   EXPECT_EQ(tracked.scale, 1.0);
-  EXPECT_EQ(tracked.range_reasons, 0u);
+  EXPECT_EQ(reasonsOf(tracked), 0u);
 }
 
 TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
-  RangeTracker tracker(Config(), kGeometry, std::nullopt);
+  RangeTracker tracker({}, {}, {}, kGeometry, std::nullopt);
   tracker.update(1.0, showing(7.0));
   const TrackedRange tracked = tracker.update(1.05, showing(7.0));
   EXPECT_NEAR(tracked.range.range_m, 3.0, 1e-6);
   EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
   EXPECT_FALSE(tracked.lidar_tells);
-  EXPECT_EQ(tracked.range_reasons, kNoLidar);
+  EXPECT_EQ(reasonsOf(tracked), kNoLidar);
 }
 
 TEST(RangeTracker, AReadingOfALidarWhosePlaceIsUnknownIsNotUsed) {
-  RangeTracker tracker(Config(), kGeometry, std::nullopt);
+  RangeTracker tracker({}, {}, {}, kGeometry, std::nullopt);
   tracker.addRange(reading(1.0, 3.0));
   const TrackedRange tracked = tracker.update(1.0, showing(kNaN));
-  EXPECT_EQ(tracked.range_reasons, kNoLidar | kLidarRejected | kNoRangeObserved);
+  EXPECT_EQ(reasonsOf(tracked), kNoLidar | kLidarRejected | kNoRangeObserved);
   EXPECT_EQ(tracked.stereo_outcome, Outcome::Invalid);
 }
 
@@ -77,7 +77,7 @@ TEST(RangeTracker, ReadingsWithAnImpossibleStampTouchNothing) {
     tracked = tracker.update(stamp_s, showing(3.0));
     expected = clean.update(stamp_s, showing(3.0));
     EXPECT_EQ(tracked.range.range_m, expected.range.range_m) << i;
-    EXPECT_EQ(tracked.range_reasons, expected.range_reasons) << i;
+    EXPECT_EQ(reasonsOf(tracked), reasonsOf(expected)) << i;
     EXPECT_EQ(tracked.lidar_is_nearer, expected.lidar_is_nearer) << i;
   }
   EXPECT_TRUE(tracked.lidar_is_nearer);
@@ -135,7 +135,7 @@ TEST(RangeTracker, AThingBesideTheBeamKeepsItFromTeachingTheScale) {
 TEST(RangeTracker, SensorsThatDifferLastinglySaySo) {
   RangeTracker tracker = trackerWithLidar();
   const TrackedRange tracked = trackedFor(tracker, 4.7, showing(3.0));
-  EXPECT_TRUE(tracked.range_reasons & kDisagreement);
+  EXPECT_TRUE(reasonsOf(tracked) & kDisagreement);
   EXPECT_NEAR(tracked.range.range_m, 4.7, 0.02) << "the nearer one rules";
 }
 
@@ -157,7 +157,7 @@ TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStillTells) {
     const double stamp_s = kPassed_s + 0.01 * i, lasted_s = stamp_s - kPassed_s;
     tracker.addRange(reading(stamp_s, 14.0 + 0.001 * (i % 2)));
     const TrackedRange tracked = tracker.update(stamp_s, showing(7.0));
-    ASSERT_TRUE(tracked.range_reasons & kLidarRejected);
+    ASSERT_TRUE(reasonsOf(tracked) & kLidarRejected);
     if (std::abs(lasted_s - Config().fusion.lasting_s) < 0.015) continue;
     EXPECT_EQ(tracked.lidar_tells, lasted_s < Config().fusion.lasting_s) << lasted_s;
   }
@@ -178,7 +178,7 @@ TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContrad
     cv::Mat disparity_px = showing(3.0);
     disparity_px.colRange(162, 320).setTo(beside_px);  // within three radii of the beam, but not on it
     const TrackedRange tracked = trackedFor(tracker, 4.7, disparity_px);
-    ASSERT_TRUE(tracked.range_reasons & kDisagreement);
+    ASSERT_TRUE(reasonsOf(tracked) & kDisagreement);
     EXPECT_EQ(tracked.lidar_is_nearer, beside_px != edge_px);
   }
 }
@@ -195,7 +195,7 @@ TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
     cv::Mat disparity_px = showing(3.0);
     disparity_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far
     const TrackedRange tracked = trackedFor(tracker, 4.7, disparity_px);
-    ASSERT_TRUE(tracked.range_reasons & kDisagreement);
+    ASSERT_TRUE(reasonsOf(tracked) & kDisagreement);
     EXPECT_EQ(tracked.lidar_is_nearer, !has_learnt);
   }
 }
@@ -214,7 +214,7 @@ TEST(RangeTracker, ALidarThatSaysTooCloseIsNearer) {
   tracker.addRange(reading(1.5, -kInfinity));  // REP-117
   const TrackedRange tracked = tracker.update(1.5, showing(3.0));
   EXPECT_TRUE(tracked.lidar_is_nearer);
-  EXPECT_TRUE(tracked.range_reasons & kDisagreement);
+  EXPECT_TRUE(reasonsOf(tracked) & kDisagreement);
   tracker.addRange(reading(1.55, 7.0));
   EXPECT_FALSE(tracker.update(1.55, showing(3.0)).lidar_is_nearer);
 }

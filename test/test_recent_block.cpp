@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
-#include "flight_corridor/recent_block.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/corridor/recent_block.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

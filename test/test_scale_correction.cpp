@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "flight_corridor/scale_correction.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/range/scale_correction.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {
@@ -135,6 +135,17 @@ TEST(ScaleCorrection, SwitchedOffItLeavesDisparityAlone) {
   ScaleCorrection scale(config);
   teach(scale, 1.05, 0.0, 6.0, 2.0, 30);
   EXPECT_DOUBLE_EQ(scale.correct(10.0), 10.0);
+}
+
+TEST(ScaleCorrection, DepthIsOfTheCorrectedDisparity) {
+  ScaleCorrection scale((ScaleConfig()));
+  for (int i = 0; i < 50; ++i) scale.update(i, 10.0, 10.5, 0.05, 0.0);
+  cv::Mat disparity_px(kGeometry.size(), CV_32FC1, cv::Scalar(10.0)), depth_m;
+  disparity_px.at<float>(1, 1) = static_cast<float>(kNaN);
+  correctedDepth(disparity_px, scale, kGeometry, depth_m);
+  EXPECT_NEAR(depth_m.at<float>(100, 100), kGeometry.depth(scale.correct(10.0)), 1e-6);
+  EXPECT_LT(depth_m.at<float>(100, 100), kGeometry.depth(10.2));
+  EXPECT_TRUE(std::isnan(depth_m.at<float>(1, 1)));
 }
 
 }  // namespace

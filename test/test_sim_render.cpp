@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "sim/render.hpp"
 #include "sim/rig.hpp"
 #include "sim/scenes.hpp"

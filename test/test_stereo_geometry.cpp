@@ -4,7 +4,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

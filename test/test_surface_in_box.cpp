@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "flight_corridor/surface_in_box.hpp"
+#include "flight_corridor/corridor/surface_in_box.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {

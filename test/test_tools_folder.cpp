@@ -4,7 +4,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/folder.hpp"
 #include "tools/stereo_bag_reader.hpp"

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "flight_corridor/window_matcher.hpp"
+#include "flight_corridor/stereo/window_matcher.hpp"
 
 namespace flight_corridor {
 namespace {

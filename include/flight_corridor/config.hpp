@@ -1,14 +1,21 @@
 #pragma once
 
-#include "flight_corridor/beam_footprint.hpp"
-#include "flight_corridor/cloud_builder.hpp"
-#include "flight_corridor/corridor.hpp"
-#include "flight_corridor/disparity_estimator.hpp"
-#include "flight_corridor/map_config.hpp"
-#include "flight_corridor/range_fusion.hpp"
-#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/map/map_config.hpp"
+#include "flight_corridor/range/beam_footprint.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
+#include "flight_corridor/range/scale_correction.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 
 namespace flight_corridor {
+
+/// The published cloud.
+struct CloudConfig {
+  double max_range_m = 8.0;         ///< Points further are left out.
+  int min_neighbours = 3;           ///< Of a pixel's 8 neighbours, those within 3 sigma_Z; fewer: noise.
+  double disparity_sigma_px = 0.5;  ///< sigma_d of that sigma_Z.
+};
+Violations check(const CloudConfig& config);
 
 /// Every module's configuration; the YAML's sections bear the members' names.
 struct Config {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
+#include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {

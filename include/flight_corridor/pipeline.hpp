@@ -3,18 +3,18 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "flight_corridor/cloud_builder.hpp"
 #include "flight_corridor/config.hpp"
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/doubt.hpp"
-#include "flight_corridor/disparity_estimator.hpp"
+#include "flight_corridor/corridor/recent_block.hpp"
+#include "flight_corridor/corridor/surface_in_box.hpp"
+#include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/box_view.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
-#include "flight_corridor/occupancy_map.hpp"
-#include "flight_corridor/range_tracker.hpp"
-#include "flight_corridor/recent_block.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
-#include "flight_corridor/surface_in_box.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
+#include "flight_corridor/range/range_tracker.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
@@ -96,18 +96,16 @@ class Pipeline {
   const Disparity& disparity() const { return disparity_; }
   /// The evidence: depth along z of C of what is matched, CV_32FC1 [m], NaN = nothing.
   const cv::Mat& depth() const { return depth_m_; }
-  /// For people: the same with what probably is between; computed at each call.
-  cv::Mat filledDisparity() const;
-  cv::Mat filledDepth() const;
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
+  /// CV_8UC1; empty before the first frame.
+  const cv::Mat& left() const { return pair_.left; }
+  const ScaleCorrection& scale() const { return range_tracker_.scale(); }
   const OccupancyMap& map() const { return map_; }
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
   /// The corridor's box in the map's frame, and in C.
   Box box() const { return corridor_.box(T_M_C_ * rig_.T_C_F); }
   Box boxInCamera() const { return corridor_.box(rig_.T_C_F); }
-  /// Evidence as a scale-corrected cloud of the last frame in C; computed on the first call after a frame.
-  const Cloud& cloud();
 
  private:
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
@@ -116,10 +114,9 @@ class Pipeline {
   void updateMap();
   CorridorOccupancy inspectCorridor() const;
   void decide();
-  std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, const Box& box_M) const;
+  std::uint32_t mapReasons(const CorridorOccupancy& occupancy, const Box& box_M) const;
   const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
   Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
-  State state(std::uint32_t reasons) const;
   bool isTrusted() const;
   std::uint32_t doubts(const Box& box_C, BoxView& view, Doubt& doubt) const;
   double toldDepth(const Box& box_C) const;
@@ -130,7 +127,6 @@ class Pipeline {
   Rig rig_;
   DisparityEstimator disparity_estimator_;
   RangeTracker range_tracker_;
-  CloudBuilder cloud_builder_;
   OccupancyMap map_;
   // Of this frame alone, in C: a map that remembers does not say what is seen now.
   std::optional<OccupancyMap> frame_map_;
@@ -147,8 +143,6 @@ class Pipeline {
   Disparity disparity_;
   cv::Mat depth_m_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
-  Cloud cloud_;
-  bool cloud_is_current_ = false;
   Report report_;
   Counters counters_;
 };

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "flight_corridor/cross_sections.hpp"
-#include "flight_corridor/window_matcher.hpp"
+#include "flight_corridor/geometry/cross_sections.hpp"
+#include "flight_corridor/stereo/window_matcher.hpp"
 
 namespace flight_corridor {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/overlay.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {

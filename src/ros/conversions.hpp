@@ -13,6 +13,7 @@
 #include <visualization_msgs/Marker.h>
 
 #include "flight_corridor/pipeline.hpp"
+#include "flight_corridor/view/cloud.hpp"
 
 namespace flight_corridor_ros {
 

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 
-#include "flight_corridor/occupancy_map.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
 
 namespace flight_corridor_ros {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/pending_readings.hpp"
+#include "flight_corridor/range/pending_readings.hpp"
 #include "ros/stereo_subscriber.hpp"
 
 namespace flight_corridor_ros {

@@ -11,7 +11,8 @@
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/fill.hpp"
+#include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
 #include "ros/costmap_clouds.hpp"
 #include "ros/map_conversions.hpp"
@@ -72,7 +73,7 @@ void Publishers::publishProducts(const sensor_msgs::CameraInfo& left_info, const
     publish("range_fused", [&] { return toRange(header.stamp, report.range, pipeline.config().lidar, *lidar); });
   }
   publishImages(left_info, header, left, pipeline, report);
-  publish("points", [&] { return toPointCloud(header, pipeline.cloud()); });
+  publish("points", [&] { return toPointCloud(header, toCloud(pipeline)); });
   publishMap(header, pipeline, report);
   publishForCostmap(header, pipeline, report);
 }
@@ -91,9 +92,9 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
                                const cv::Mat& left, const Pipeline& pipeline, const Report& report) {
   namespace encodings = sensor_msgs::image_encodings;
   publish("disparity", [&] {
-    return toDisparityImage(header, pipeline.filledDisparity(), pipeline.geometry(), pipeline.nearestDepth());
+    return toDisparityImage(header, filledDisparity(pipeline), pipeline.geometry(), pipeline.nearestDepth());
   });
-  publish("depth/image_rect", [&] { return toImage(header, pipeline.filledDepth(), encodings::TYPE_32FC1); });
+  publish("depth/image_rect", [&] { return toImage(header, filledDepth(pipeline), encodings::TYPE_32FC1); });
   publish("depth/camera_info", [&] {
     sensor_msgs::CameraInfo info = left_info;
     info.header = header;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 #include "sim/scenes.hpp"
 #include "sim/truth.hpp"

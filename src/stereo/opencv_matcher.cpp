@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "flight_corridor/exposure.hpp"
+#include "flight_corridor/stereo/exposure.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
 
 namespace flight_corridor {

@@ -3,7 +3,7 @@
 #include <opencv2/core/types.hpp>
 #include <string>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor::tools {
 

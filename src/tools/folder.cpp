@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "tools/calibration_file.hpp"
 #include "tools/csv.hpp"
 

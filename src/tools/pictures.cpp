@@ -8,7 +8,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/fill.hpp"
+#include "flight_corridor/view/overlay.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -81,7 +82,7 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
   if (!options_.depth_folder.empty()) {
     toMillimetres(pipeline.depth(), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "matched" / (numbered(index) + ".png"), depth_mm_);
-    toMillimetres(pipeline.filledDepth(), depth_mm_);
+    toMillimetres(filledDepth(pipeline), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "filled" / (numbered(index) + ".png"), depth_mm_);
   }
   if (!options_.video.empty()) writeVideoFrame(pipeline, report);
@@ -94,7 +95,7 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
   const double ahead_m = pipeline.config().map.max_range_m;
   drawDepth(pipeline.depth(), ahead_m, matched_);
   matched_.setTo(cv::Scalar::all(255), pipeline.doubtful());
-  drawDepth(pipeline.filledDepth(), ahead_m, depth_);
+  drawDepth(filledDepth(pipeline), ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, overlay_.size(), map_);
   cv::Mat lower;
   cv::hconcat(overlay_, matched_, panels_);
@@ -106,7 +107,7 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
 
 void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
-  drawDepth(pipeline.filledDepth(), ahead_m, depth_);
+  drawDepth(filledDepth(pipeline), ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m,
                    cv::Size(kPanelHeight_px, kPanelHeight_px), map_);
   panels_.release();

@@ -27,4 +27,18 @@ void fillDisparity(const cv::Mat& left, const cv::Mat& matched_px, cv::Mat& fill
   matched_px.copyTo(filled_px, is_matched);
 }
 
+cv::Mat filledDisparity(const Pipeline& pipeline) {
+  const cv::Mat& matched_px = pipeline.disparity().best_px;
+  if (matched_px.empty()) return {pipeline.geometry().size(), CV_32FC1, cv::Scalar(kNaN)};
+  cv::Mat filled_px;
+  fillDisparity(pipeline.left(), matched_px, filled_px);
+  return filled_px;
+}
+
+cv::Mat filledDepth(const Pipeline& pipeline) {
+  cv::Mat filled_m;
+  correctedDepth(filledDisparity(pipeline), pipeline.scale(), pipeline.geometry(), filled_m);
+  return filled_m;
+}
+
 }  // namespace flight_corridor

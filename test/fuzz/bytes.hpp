@@ -83,9 +83,7 @@ inline void require(bool holds, const char* law, const Verdict& verdict = {}) {
 
 /// What every verdict obeys.
 inline void checkVerdict(const Verdict& verdict) {
-  const State by_reasons = stateOf(verdict.reasons);
-  require(verdict.state == by_reasons || verdict.state == State::Unknown, "a state has its reasons", verdict);
-  require(verdict.state == State::Blocked || by_reasons != State::Blocked, "what blocks is BLOCKED", verdict);
+  require(verdict.state == stateOf(verdict.reasons), "a state has its reasons", verdict);
   require(0.0 <= verdict.unknown_fraction && verdict.unknown_fraction <= 1.0, "a share is 0 to 1", verdict);
   require(!(verdict.clear_distance_m < 0.0), "a distance is not negative", verdict);
   require(verdict.state != State::Free || verdict.clear_distance_m == kInfinity, "FREE has no obstacle", verdict);

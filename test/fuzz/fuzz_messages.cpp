@@ -6,7 +6,8 @@
 #include <stdexcept>
 
 #include "bytes.hpp"
-#include "flight_corridor/overlay.hpp"
+#include "flight_corridor/view/fill.hpp"
+#include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
 #include "ros/costmap_clouds.hpp"
 #include "ros/map_conversions.hpp"
@@ -117,9 +118,9 @@ void convert(const StereoMessages& pair, Processor& processor) {
   flight_corridor::Pipeline* pipeline = processor.products();
   if (!pipeline) return;
   const flight_corridor::MapConfig& map = pipeline->config().map;
-  toDisparityImage(header, pipeline->filledDisparity(), pipeline->geometry(), pipeline->nearestDepth());
-  toImage(header, pipeline->filledDepth(), sensor_msgs::image_encodings::TYPE_32FC1);
-  toPointCloud(header, pipeline->cloud());
+  toDisparityImage(header, filledDisparity(*pipeline), pipeline->geometry(), pipeline->nearestDepth());
+  toImage(header, filledDepth(*pipeline), sensor_msgs::image_encodings::TYPE_32FC1);
+  toPointCloud(header, toCloud(*pipeline));
   toMarker(header, pipeline->box(), report.verdict.state, 1.0);
   toObstacles(header, pipeline->map().tree(), pipeline->T_M_C(), map.max_range_m);
   toMarkers(processor.mapHeader(), processor.map(), Cells::Occupied, pipeline->T_M_C());

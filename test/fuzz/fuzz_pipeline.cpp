@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "bytes.hpp"
+#include "flight_corridor/view/cloud.hpp"
+#include "flight_corridor/view/fill.hpp"
 
 namespace flight_corridor::fuzz {
 namespace {
@@ -143,7 +145,7 @@ void fly(Bytes& bytes) {
     checkVerdict(verdict);
     require(verdict.state != State::Free || shown.is_evidence, "what shows nothing is not FREE", verdict);
     require(verdict.state != State::Free || stamp_s >= newest_s, "what is old is not FREE", verdict);
-    if (pipeline.cloud().size() > 0) pipeline.filledDepth();
+    if (toCloud(pipeline).size() > 0) filledDepth(pipeline);
     if (!(verdict.reasons & (kNoData | kNoPose | kBadImage))) {
       newest_s = stamp_s;
       before.push_back(shown.frame);

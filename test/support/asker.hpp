@@ -14,7 +14,7 @@
 #include <sstream>
 #include <string>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "support/stereo_inputs.hpp"
 
 namespace flight_corridor_ros::test_support {

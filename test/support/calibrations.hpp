@@ -1,6 +1,6 @@
 #pragma once
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor::test_support {
 

@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "sim/world.hpp"
 
 namespace flight_corridor::test_support {

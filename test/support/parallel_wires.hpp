@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 #include "sim/simulation.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "flight_corridor/range_fusion.hpp"
+#include "flight_corridor/range/range_fusion.hpp"
 #include "sim/lidar.hpp"
 #include "sim/random.hpp"
 

@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <unordered_map>
 
-#include "flight_corridor/occupancy_map.hpp"
+#include "flight_corridor/map/occupancy_map.hpp"
 
 namespace flight_corridor::test_support {
 

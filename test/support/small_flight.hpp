@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/stereo_bag_writer.hpp"
 

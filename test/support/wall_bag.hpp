@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/corridor.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/replayer.hpp"
 #include "tools/stereo_bag_writer.hpp"

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor::test_support {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "flight_corridor/geometry/box_view.hpp"
-#include "flight_corridor/scale_correction.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/range/scale_correction.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
 
 namespace flight_corridor {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "flight_corridor/box.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {

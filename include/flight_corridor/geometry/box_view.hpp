@@ -2,8 +2,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "flight_corridor/box.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor {
 

@@ -3,8 +3,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/ximgproc/disparity_filter.hpp>
 
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
-#include "flight_corridor/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "flight_corridor/stereo_geometry.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor {
 

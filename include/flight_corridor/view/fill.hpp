@@ -2,6 +2,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "flight_corridor/pipeline.hpp"
+
 namespace flight_corridor {
 
 /// Disparity for people to look at: matches, and between them what the image's edges and the matches around suggest
@@ -9,5 +11,11 @@ namespace flight_corridor {
 /// @param left CV_8UC1.  @param matched_px CV_32FC1 of the same size, NaN = no match.  @param filled_px refilled; NaN
 /// where no match is near.
 void fillDisparity(const cv::Mat& left, const cv::Mat& matched_px, cv::Mat& filled_px);
+
+/// That of the last frame, CV_32FC1 [px]; NaN before the first.
+cv::Mat filledDisparity(const Pipeline& pipeline);
+
+/// Its depth along z of C, scale-corrected, CV_32FC1 [m].
+cv::Mat filledDepth(const Pipeline& pipeline);
 
 }  // namespace flight_corridor

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/map/map_config.hpp"
+
+namespace flight_corridor {
+
+/// What the points in a cell make of it, by its distance: a hit, if they are so many that speckles make none and thin
+/// poles do; or too many to be mistakes.
+class HitRule {
+ public:
+  HitRule(const MapConfig& config, const StereoCalibration& calibration)
+      : min_points_(static_cast<std::uint32_t>(config.min_hit_points)),
+        cell_px_m_(static_cast<float>(std::sqrt(calibration.fx_px * calibration.fy_px) * config.resolution_m)),
+        hit_fraction_(static_cast<float>(config.hit_fraction)) {}
+
+  /// @param depth_m of the cell's centre.
+  bool isHit(std::uint32_t points, float depth_m) const { return isShare(hit_fraction_, points, depth_m); }
+
+  /// What share of a full face's points these are: f^2 r^2 / Z^2.
+  float face(std::uint32_t points, float depth_m) const {
+    return static_cast<float>(points) * depth_m * depth_m / (cell_px_m_ * cell_px_m_);
+  }
+
+  /// Whether they are too many to be mistakes, though no hit.
+  bool isUncertain(std::uint32_t points, float depth_m) const { return isShare(kUncertain, points, depth_m); }
+
+ private:
+  bool isShare(float share, std::uint32_t points, float depth_m) const {
+    return points >= min_points_ && depth_m > 0.0f && face(points, depth_m) >= share;
+  }
+
+  static constexpr float kUncertain = 0.08f;  // of a full face's: half of what makes a hit
+
+  std::uint32_t min_points_;
+  float cell_px_m_;  // edge of a cell in the image, times its depth
+  float hit_fraction_;
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct LidarConfig {
+  double min_range_m = 0.2;          ///< Readings below are refused, also when the message allows them.
+  double max_range_m = 100.0;        ///< Readings above mean "nothing in range".
+  double min_beam_width_rad = 0.02;  ///< Footprint used when the message's field_of_view is smaller.
+  double min_valid_fraction = 0.3;   ///< Share of the footprint's pixels that must carry disparity.
+};
+Violations check(const LidarConfig& config);
+
+/// A patch of the left image that the beam covers at one range.
+struct Footprint {
+  Eigen::Vector2d centre_px;
+  double radius_px;
+};
+
+/// Stereo's view of the surface that the beam meets.
+struct FootprintReading {
+  double disparity_px = kNaN;        ///< Median over the footprint.
+  double disparity_sigma_px = kNaN;  ///< Robust spread (1.4826 * median absolute deviation) over the footprint.
+  double range_m = kNaN;             ///< Of that disparity, uncorrected, along the beam from the LiDAR's origin.
+  double unity = 0.0;                ///< Share of the matches within six radii that differ by 0.3 px or less [0..1].
+  Footprint footprint{};
+};
+
+/// Where the LiDAR's beam lies in the left image. LiDAR and camera are not in one place, so the pixel moves with range.
+class BeamFootprint {
+ public:
+  static constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
+
+  /// @param T_C_L LiDAR (beam along +x) to left optical frame.
+  /// @throws std::invalid_argument with every broken rule, or when the beam does not look ahead.
+  BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
+
+  /// Whether a beam (along +x of L) points no more than 60 degrees off the optical axis: it can meet what is ahead.
+  static bool looksAhead(const Eigen::Isometry3d& T_C_L);
+  /// Whether the far end of a beam is on the left image, so that stereo sees what it meets.
+  static bool endsInView(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
+
+  /// Footprint at a range along the beam; nullopt when it lies outside the image or behind the camera.
+  std::optional<Footprint> at(double range_m, double beam_width_rad) const;
+
+  /// Point of C at a range along the beam [m].
+  Eigen::Vector3d point(double range_m) const { return origin_C_ + range_m * direction_C_; }
+  /// Depth (along z of C) of the beam's point at a range.
+  double depth(double range_m) const { return point(range_m).z(); }
+  /// Component of a vector of C along the beam.
+  double along(const Eigen::Vector3d& vector_C) const { return direction_C_.dot(vector_C); }
+  /// Range along the beam at which its point has this depth.
+  double range(double depth_m) const { return (depth_m - origin_C_.z()) / direction_C_.z(); }
+
+  /// Stereo's reading of the surface on the beam: the footprint depends on the range and the range on the footprint,
+  /// so the two are iterated to agreement from a first guess.
+  /// @param disparity_px CV_32FC1, NaN = no match.
+  /// @param range_guess_m NaN: start at the far end.
+  /// @return nullopt when too few pixels match or no self-consistent surface is found.
+  std::optional<FootprintReading> read(const cv::Mat& disparity_px, double range_guess_m, double beam_width_rad);
+
+  /// Matches within three radii of the beam at a range, where the beam may have met something by its edge; none where
+  /// they are fewer than 0.15 of the pixels.  @return valid until the next call.
+  const std::vector<float>& matchesBeside(const cv::Mat& disparity_px, double range_m, double beam_width_rad);
+
+ private:
+  int collect(const cv::Mat& disparity_px, const Footprint& circle);
+  std::optional<FootprintReading> readAt(const cv::Mat& disparity_px, const Footprint& footprint);
+
+  LidarConfig config_;
+  StereoGeometry geometry_;
+  Eigen::Vector3d origin_C_;
+  Eigen::Vector3d direction_C_;
+  std::vector<float> scratch_;
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct FusionConfig {
+  double acceleration_sigma_mps2 = 3.0;     ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
+  double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
+  double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
+  double disparity_sigma_px = 0.1;          ///< sigma_d of R_stereo: (Z^2/(fB) sigma_d)^2.
+  double gate_sigma = 4.0;                  ///< Readings further from the prediction are gated; inf switches it off.
+  double lasting_s = 0.2;                   ///< A sensor gated for so long is in lasting disagreement.
+  double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
+  double buffer_s = 0.5;                    ///< Readings up to so late are put where they belong.
+};
+Violations check(const FusionConfig& config);
+
+enum class Sensor : std::uint8_t { Lidar = 0, Stereo = 1 };
+
+/// What became of a reading.
+enum class Outcome : std::uint8_t { Accepted, Gated, Reinitialised, TooLate, Invalid };
+
+/// A sensor that is lastingly outside the other's gate.
+struct Dissent {
+  Sensor sensor;   ///< Stereo where both are: the range follows a nearer LiDAR.
+  double range_m;  ///< What it says.
+};
+
+/// d_K and what is known about it.
+struct RangeEstimate {
+  double range_m =
+      kNaN;  ///< d_K along the beam, not negative; NaN unless two readings agreed and one came within fusion/max_gap_s.
+  double sigma_m = kNaN;
+  double rate_mps = kNaN;
+  std::optional<Dissent> dissent;
+};
+
+/// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
+/// their own stamps (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001,
+/// eq. 6.2.2-12). Late readings are replayed into their place: any arrival order within the buffer gives the same
+/// state. No allocation after construction.
+class RangeFusion {
+ public:
+  /// @throws std::invalid_argument with every broken rule.
+  explicit RangeFusion(const FusionConfig& config);
+
+  /// @param variance_m2 measurement noise R, > 0.
+  Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2);
+
+  /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
+  /// s.
+  Outcome addAcceleration(double stamp_s, double acceleration_mps2);
+
+  /// The estimate predicted to a stamp not before the buffer's start.
+  RangeEstimate at(double stamp_s) const;
+
+ private:
+  enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order in which equal stamps are taken
+  struct Reading {
+    Kind kind = Kind::Lidar;
+    double stamp_s = kNaN, value = kNaN, variance_m2 = kNaN;  // value: range [m] or acceleration [m/s^2]
+  };
+  /// Per-sensor memory that the gate needs.
+  struct SensorTrack {
+    double accepted_s = -kInfinity;  // its newest accepted reading
+    double period_s = kInfinity;     // from the one before to that
+    double gated_since_s = kNaN;
+    Reading gated;         // the newest of that run
+    bool outlier = false;  // the last gated reading told of something else, and was passed over
+    Reading passed_over;   // the last one that was
+    double gatedFor() const { return gated.stamp_s - gated_since_s; }
+  };
+  struct Repetition {  // a LiDAR that repeats one value to the last bit, and what was known when that began
+    double lidar_m = kNaN, since_s = kNaN;
+    double speed_mps = 0.0;  // at least, of the range
+    double stereo_m = kNaN, stereo_variance_m2 = kNaN;
+    int moved = 0;         // stereo readings in a row that are elsewhere: one may be a peak
+    bool overdue = false;  // at that speed the LiDAR ought to have moved
+    bool isFrozen() const { return overdue || moved >= 2; }
+  };
+  struct Filter {  // everything that one reading changes: copying it is remembering it
+    double stamp_s = kNaN;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    double acceleration_s = -kInfinity, acceleration_mps2 = 0.0;
+    std::array<SensorTrack, 2> tracks;
+    Repetition repetition;
+    bool confirmed = false;  // by a second reading: a lone one may be a spike
+    bool initialised() const { return stamp_s == stamp_s; }
+    double lastAccepted() const { return std::max(tracks[0].accepted_s, tracks[1].accepted_s); }
+  };
+  struct Step {
+    Reading reading;
+    Filter after;
+    Outcome outcome;
+  };
+
+  static std::size_t track(const Reading& reading) { return reading.kind == Kind::Lidar ? 0 : 1; }
+  Outcome insert(const Reading& reading);
+  void forgetOldest();
+  Filter predicted(const Filter& filter, double stamp_s) const;
+  Outcome update(Filter& filter, const Reading& reading) const;
+  Outcome correct(Filter& filter, const Reading& reading) const;
+  bool isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const;
+  bool isBeyondOther(const Filter& filter, const Reading& reading) const;
+  void watchRepetition(Filter& filter, const Reading& reading) const;
+  bool isBefore(const Reading& lidar, const Filter& filter) const;
+  void remember(SensorTrack& track, const Reading& reading) const;
+  bool bothJumped(const Filter& filter, const Reading& reading) const;
+  bool rulesAlone(const Filter& filter, const Reading& reading) const;
+  bool isFollowed(const SensorTrack& track, double stamp_s) const;
+  bool isContradicted(const SensorTrack& track, double stamp_s) const;
+  void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
+  bool agree(const Reading& earlier, const Reading& later) const;
+  bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
+  static void initialise(Filter& filter, const Reading& reading, double rate_sigma_mps);
+
+  FusionConfig config_;
+  Filter before_;            // state before the oldest buffered reading
+  std::vector<Step> steps_;  // ordered by stamp
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+struct ScaleConfig {
+  bool enabled = true;
+  double max_correction = 0.15;            ///< Largest relative change of a depth.
+  double prior_sigma = 0.07;               ///< How wrong the calibration's scale is expected to be.
+  double offset_prior_sigma_px = 0.7;      ///< How wrong its disparity offset is expected to be.
+  double disparity_sigma_px = 0.1;         ///< Of a learnt pair's match.
+  double drift_sigma_per_sqrt_s = 0.0005;  ///< Slow forgetting of the scale.
+  double gate_sigma = 3.0;                 ///< Pairs further from the model are not learnt from.
+};
+Violations check(const ScaleConfig& config);
+
+/// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's:
+/// d_true = a*d + b, a Bayesian linear regression in disparity. With one range only, the prior shares the error between
+/// a (baseline, focal length) and b (relative yaw); a varying range separates them. What is learnt is applied once it
+/// is significant: a faultless rig stays as it is.
+class ScaleCorrection {
+ public:
+  /// @throws std::invalid_argument with every broken rule.
+  explicit ScaleCorrection(const ScaleConfig& config);
+
+  /// One pair of what stereo measured and what it should have measured [px], each with its own error's sigma.
+  /// @return whether the pair passed the gate.
+  bool update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
+              double expected_sigma_px);
+
+  /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
+  double correct(double disparity_px) const;
+
+  /// Depth after / depth before correction at a disparity [-].
+  double scale(double disparity_px) const { return disparity_px / correct(disparity_px); }
+  /// One sigma of scale() [-].
+  double sigma(double disparity_px) const;
+
+ private:
+  Eigen::Vector2d significant() const;
+
+  ScaleConfig config_;
+  double stamp_s_ = kNaN;
+  Eigen::Vector2d mean_{1.0, 0.0};  // a [-], b [px]
+  Eigen::Matrix2d covariance_;
+  Eigen::Vector2d applied_{1.0, 0.0};  // as mean_, where it is significant
+};
+
+/// Depth along z of C of corrected disparities.
+/// @param disparity_px CV_32FC1, NaN = nothing.  @param depth_m refilled: CV_32FC1 [m] of the same size.
+void correctedDepth(const cv::Mat& disparity_px, const ScaleCorrection& correction, const StereoGeometry& geometry,
+                    cv::Mat& depth_m);
+
+}  // namespace flight_corridor

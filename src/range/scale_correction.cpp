@@ -1,0 +1,101 @@
+#include "flight_corridor/range/scale_correction.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace flight_corridor {
+
+namespace {
+
+// Pairs may ask for more than is ever applied, since far away an offset is a larger share of the disparity: for twice
+// as much where they bring the world nearer, which is the safe side, else for what 1 px is at 8 m with a usual rig.
+constexpr double kLearntInwards = 2.0, kLearntOutwards = 1.3;
+constexpr double kNotSignificant = 1.0, kSignificant = 2.0;  // sigmas: what is learnt is applied not at all, in full
+constexpr double kMatchBias_px = 0.05;  // of all matches of one surface: more of them do not make it smaller
+
+}  // namespace
+
+Violations check(const ScaleConfig& config) {
+  Rules rules("scale");
+  rules.require(0.0 <= config.max_correction && config.max_correction < 0.5, "max_correction", "0 to below 0.5",
+                config.max_correction);
+  rules.require(config.prior_sigma > 0.0, "prior_sigma", "positive", config.prior_sigma);
+  rules.require(config.offset_prior_sigma_px > 0.0, "offset_prior_sigma_px", "positive", config.offset_prior_sigma_px);
+  rules.require(config.disparity_sigma_px > 0.0, "disparity_sigma_px", "positive", config.disparity_sigma_px);
+  rules.require(config.drift_sigma_per_sqrt_s >= 0.0, "drift_sigma_per_sqrt_s", "not negative",
+                config.drift_sigma_per_sqrt_s);
+  rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);
+  return rules.broken();
+}
+
+ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
+  throwIfBroken(check(config));
+  covariance_ =
+      Eigen::Vector2d(std::pow(config.prior_sigma, 2), std::pow(config.offset_prior_sigma_px, 2)).asDiagonal();
+}
+
+/// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update with a slow random walk of a. d in h is
+/// the likeliest true disparity, of which both readings tell: with the measured one its noise would, at one range, pull
+/// a towards 0 without end (errors in variables; Fuller 1987, ch. 1).
+bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
+                             double expected_sigma_px) {
+  const double sigma_px = std::hypot(measured_sigma_px, expected_sigma_px);
+  const bool usable = config_.enabled && measured_px > 0.0 && expected_px > 0.0 && sigma_px > 0.0 &&
+                      std::isfinite(measured_px + expected_px + sigma_px);
+  if (!usable) return false;
+  const double stretch = measured_px / expected_px - 1.0;
+  if (!(-kLearntInwards * config_.max_correction <= stretch && stretch <= kLearntOutwards * config_.max_correction))
+    return false;
+
+  const double share = std::pow(expected_sigma_px / sigma_px, 2);
+  const Eigen::Vector2d h(share * measured_px + (1.0 - share) * (expected_px - mean_[1]) / mean_[0], 1.0);
+  const double innovation = expected_px - (mean_[0] * measured_px + mean_[1]);
+  const double variance = h.dot(covariance_ * h) + sigma_px * sigma_px;
+  if (!(innovation * innovation <= config_.gate_sigma * config_.gate_sigma * variance)) return false;
+
+  if (stamp_s > stamp_s_) covariance_(0, 0) += std::pow(config_.drift_sigma_per_sqrt_s, 2) * (stamp_s - stamp_s_);
+  stamp_s_ = stamp_s;
+  const Eigen::Vector2d gain = covariance_ * h / variance;
+  mean_ += gain * innovation;
+  covariance_ -= gain * (h.transpose() * covariance_).eval();
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose().eval());
+  applied_ = significant();
+  return true;
+}
+
+/// The model, as far as it differs from a faultless rig by more than chance and the matches' bias explain: faultless
+/// below kNotSignificant, itself from kSignificant on (Mahalanobis distance), between the two in proportion.
+Eigen::Vector2d ScaleCorrection::significant() const {
+  const Eigen::Vector2d faultless(1.0, 0.0), error = mean_ - faultless;
+  Eigen::Matrix2d chance = covariance_;
+  chance(1, 1) += kMatchBias_px * kMatchBias_px;
+  const double sigmas = std::sqrt(error.dot(chance.ldlt().solve(error)));
+  const double share = std::clamp((sigmas - kNotSignificant) / (kSignificant - kNotSignificant), 0.0, 1.0);
+  return faultless + share * error;
+}
+
+double ScaleCorrection::correct(double disparity_px) const {
+  if (!(disparity_px > 0.0)) return kNaN;
+  const double corrected = applied_[0] * disparity_px + applied_[1];
+  return std::clamp(corrected, disparity_px / (1.0 + config_.max_correction),
+                    disparity_px / (1.0 - config_.max_correction));
+}
+
+/// First order: s = d / (a d + b), so sigma_s = s^2 sigma(a d + b) / d.
+double ScaleCorrection::sigma(double disparity_px) const {
+  const Eigen::Vector2d h(disparity_px, 1.0);
+  return std::pow(scale(disparity_px), 2) * std::sqrt(h.dot(covariance_ * h)) / disparity_px;
+}
+
+void correctedDepth(const cv::Mat& disparity_px, const ScaleCorrection& correction, const StereoGeometry& geometry,
+                    cv::Mat& depth_m) {
+  depth_m.create(disparity_px.size(), CV_32FC1);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const auto* from = disparity_px.ptr<float>(v);
+    auto* to = depth_m.ptr<float>(v);
+    for (int u = 0; u < depth_m.cols; ++u) to[u] = static_cast<float>(geometry.depth(correction.correct(from[u])));
+  }
+}
+
+}  // namespace flight_corridor
