@@ -73,7 +73,7 @@ TEST(Architecture, ArrowsBetweenTheWingsPointDownwards) {
       ++arrows;
     }
   }
-  EXPECT_GT(arrows, 60);
+  EXPECT_GT(arrows, 40);
 }
 
 TEST(Architecture, OnlyTheViewKnowsPcl) {

@@ -178,9 +178,9 @@ StereoFrame boardsFrame(const std::vector<std::pair<int, int>>& boards, double s
 }
 
 TEST(Pipeline, ALidarThatMetAnEdgeThatIsShownBesideTheBeamLeavesTheCorridorFree) {
-  constexpr int kBoard_px = 5;  // 4.2 m, well behind the corridor
+  constexpr int kBoard_px = 6;  // 3.5 m, well behind the corridor
   Config config;
-  config.corridor.length_m = 3.5;
+  config.corridor.length_m = 3.0;
   for (const bool is_shown : {true, false}) {
     Pipeline pipeline(config, kGeometry, rigWithLidar());
     Report report;

@@ -40,16 +40,17 @@ RangeFusion::RangeFusion(const FusionConfig& config) : config_(config) {
   steps_.reserve(kCapacity);
 }
 
-Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double variance_m2) {
+Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double variance_m2, double common_sigma_1pm) {
   const bool valid = std::isfinite(stamp_s) && std::isfinite(range_m) && range_m > 0.0 && variance_m2 > 0.0 &&
-                     std::isfinite(variance_m2);
+                     std::isfinite(variance_m2) && common_sigma_1pm >= 0.0 && std::isfinite(common_sigma_1pm);
   if (!valid) return Outcome::Invalid;
-  return insert({sensor == Sensor::Lidar ? Kind::Lidar : Kind::Stereo, stamp_s, range_m, variance_m2});
+  const Kind kind = sensor == Sensor::Lidar ? Kind::Lidar : Kind::Stereo;
+  return insert({kind, stamp_s, range_m, variance_m2, common_sigma_1pm});
 }
 
 Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
   if (!std::isfinite(stamp_s) || !std::isfinite(acceleration_mps2)) return Outcome::Invalid;
-  return insert({Kind::Acceleration, stamp_s, acceleration_mps2, kNaN});
+  return insert({Kind::Acceleration, stamp_s, acceleration_mps2, kNaN, 0.0});
 }
 
 /// Puts a reading where its stamp belongs and takes all later ones again.
@@ -119,6 +120,7 @@ void RangeFusion::initialise(Filter& filter, const Reading& reading, double rate
   filter.stamp_s = reading.stamp_s;
   filter.mean[0] = reading.value;
   filter.covariance << reading.variance_m2, 0, 0, squared(rate_sigma_mps);
+  filter.common_sigma_1pm = reading.common_sigma_1pm;
 }
 
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
@@ -184,9 +186,13 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
   filter = predicted(filter, reading.stamp_s);
   if (isWithinGate(filter, reading, held_variance_m2)) {
     const double innovation = reading.value - filter.mean[0];
-    const Eigen::Vector2d gain = filter.covariance.col(0) / (filter.covariance(0, 0) + reading.variance_m2);
+    double variance_m2 = reading.variance_m2;
+    double& whose_m2 = reading.common_sigma_1pm > filter.common_sigma_1pm ? variance_m2 : filter.covariance(0, 0);
+    whose_m2 += commonVariance(filter, reading);
+    const Eigen::Vector2d gain = filter.covariance.col(0) / (filter.covariance(0, 0) + variance_m2);
     filter.mean += gain * innovation;
     filter.covariance -= gain * filter.covariance.row(0).eval();
+    filter.common_sigma_1pm += gain[0] * (reading.common_sigma_1pm - filter.common_sigma_1pm);
     filter.confirmed = true;
     return accept(Outcome::Accepted);
   }
@@ -201,15 +207,22 @@ Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
   return accept(Outcome::Reinitialised);
 }
 
+/// Of the difference between a reading and the estimate, by the error that is common to all of a sensor's readings: in
+/// the inverse range, as a disparity's offset is.
+double RangeFusion::commonVariance(const Filter& filter, const Reading& reading) {
+  return squared((reading.common_sigma_1pm - filter.common_sigma_1pm) * reading.value * filter.mean[0]);
+}
+
 /// Whether a reading can be of the surface that the filter, predicted to its stamp, follows. In lasting disagreement a
 /// sensor has to come closer to be believed again; a slower one's pause brings none closer.
 /// @param held_variance_m2 of the range before the prediction.
 bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const {
   const bool contradicted = isContradicted(filter.tracks[track(reading)], reading.stamp_s);
   const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
-  const double predicted_variance_m2 = filter.covariance(0, 0) + reading.variance_m2;
+  const double reading_m2 = reading.variance_m2 + commonVariance(filter, reading);
+  const double predicted_variance_m2 = filter.covariance(0, 0) + reading_m2;
   const double gate_variance_m2 =
-      contradicted && isBeyondOther(filter, reading) ? held_variance_m2 + reading.variance_m2 : predicted_variance_m2;
+      contradicted && isBeyondOther(filter, reading) ? held_variance_m2 + reading_m2 : predicted_variance_m2;
   const double innovation = reading.value - filter.mean[0];
   const double rate_change = filter.covariance(1, 0) / predicted_variance_m2 * innovation;
   const bool leaps =

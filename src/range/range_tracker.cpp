@@ -73,7 +73,8 @@ TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
     learnScale(stamp_s, *stereo, expected);
     reference_px = stereo->disparity_px;
     tracked.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
-    tracked.stereo_outcome = fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo));
+    tracked.stereo_outcome =
+        fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo), rigSigma(*stereo));
     counts_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
   }
   tracked.range = fusion_.at(stamp_s);
@@ -102,13 +103,21 @@ bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
   return shown > 0 && static_cast<double>(shown) >= kShown * static_cast<double>(matches_px.size());
 }
 
-/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d). Not
-/// what is unknown of the scale: it is the same in all readings, and would hide their jumps from the gate.
+/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d).
 double RangeTracker::stereoVariance(const FootprintReading& stereo) const {
   const double depth_m = geometry_.depth(stereo.disparity_px);
   const double match_m = geometry_.depthSigma(depth_m, fusion_config_.disparity_sigma_px);
   const double spread_m = geometry_.depthSigma(depth_m, stereo.disparity_sigma_px);
   return fusion_config_.stereo_variance_m2 + match_m * match_m + spread_m * spread_m;
+}
+
+/// One sigma of the inverse range for what is unknown of the rig, the same in all readings: 1/Z = d/(fB) [1/m]. No more
+/// than what the correction can make good: a rig that is further off is in disagreement.
+double RangeTracker::rigSigma(const FootprintReading& stereo) const {
+  if (!scale_config_.enabled) return 0.0;
+  const double d = stereo.disparity_px;
+  const double sigma_px = std::min(scale_.disparitySigma(d), scale_.largestError(d) / fusion_config_.gate_sigma);
+  return sigma_px / geometry_.disparity(1.0);
 }
 
 /// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,

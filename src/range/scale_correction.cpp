@@ -84,8 +84,16 @@ double ScaleCorrection::correct(double disparity_px) const {
 
 /// First order: s = d / (a d + b), so sigma_s = s^2 sigma(a d + b) / d.
 double ScaleCorrection::sigma(double disparity_px) const {
+  return std::pow(scale(disparity_px), 2) * disparitySigma(disparity_px) / disparity_px;
+}
+
+double ScaleCorrection::disparitySigma(double disparity_px) const {
   const Eigen::Vector2d h(disparity_px, 1.0);
-  return std::pow(scale(disparity_px), 2) * std::sqrt(h.dot(covariance_ * h)) / disparity_px;
+  return std::sqrt(h.dot(covariance_ * h));
+}
+
+double ScaleCorrection::largestError(double disparity_px) const {
+  return kLearntInwards * config_.max_correction * disparity_px;
 }
 
 void correctedDepth(const cv::Mat& disparity_px, const ScaleCorrection& correction, const StereoGeometry& geometry,

@@ -52,7 +52,9 @@ class RangeFusion {
   explicit RangeFusion(const FusionConfig& config);
 
   /// @param variance_m2 measurement noise R, > 0.
-  Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2);
+  /// @param common_sigma_1pm one sigma of an error of the inverse range that is the same in all of the sensor's
+  /// readings [1/m]: it counts against the other sensor, not among them.
+  Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2, double common_sigma_1pm = 0.0);
 
   /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
   /// s.
@@ -66,6 +68,7 @@ class RangeFusion {
   struct Reading {
     Kind kind = Kind::Lidar;
     double stamp_s = kNaN, value = kNaN, variance_m2 = kNaN;  // value: range [m] or acceleration [m/s^2]
+    double common_sigma_1pm = 0.0;
   };
   /// Per-sensor memory that the gate needs.
   struct SensorTrack {
@@ -89,6 +92,7 @@ class RangeFusion {
     double stamp_s = kNaN;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    double common_sigma_1pm = 0.0;  // that of the readings that hold the range
     double acceleration_s = -kInfinity, acceleration_mps2 = 0.0;
     std::array<SensorTrack, 2> tracks;
     Repetition repetition;
@@ -108,6 +112,7 @@ class RangeFusion {
   Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
   Outcome correct(Filter& filter, const Reading& reading) const;
+  static double commonVariance(const Filter& filter, const Reading& reading);
   bool isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const;
   bool isBeyondOther(const Filter& filter, const Reading& reading) const;
   void watchRepetition(Filter& filter, const Reading& reading) const;

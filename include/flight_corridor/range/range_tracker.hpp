@@ -83,6 +83,7 @@ class RangeTracker {
   void fuse(const RangeReading& reading);
   bool isShownBeside(double range_m, const cv::Mat& matched_px);
   double stereoVariance(const FootprintReading& stereo) const;
+  double rigSigma(const FootprintReading& stereo) const;
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
   double lidarRange(double stamp_s) const;
 

@@ -40,6 +40,10 @@ class ScaleCorrection {
   double scale(double disparity_px) const { return disparity_px / correct(disparity_px); }
   /// One sigma of scale() [-].
   double sigma(double disparity_px) const;
+  /// One sigma of a corrected disparity, for what is unknown of the rig alone [px].
+  double disparitySigma(double disparity_px) const;
+  /// Larger errors of a disparity are not taken for the rig's [px].
+  double largestError(double disparity_px) const;
 
  private:
   Eigen::Vector2d significant() const;
