@@ -24,6 +24,7 @@ DisparityEvidence wall() {
   DisparityEvidence evidence;
   const auto map = [](float value) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(value)); };
   evidence.best_px = map(kWall_px);
+  evidence.repeated_px = map(NAN);
   evidence.farthest_px = map(kWall_px - 1.0f);
   evidence.nearest_px = map(kWall_px + 1.0f);
   evidence.competitor_farthest_px = map(NAN);

@@ -27,6 +27,7 @@ bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const Sc
                  bool is_told) {
   collect(box, evidence, correction, is_told);
   if (candidates_.size() >= kEnough * labels_.size()) return true;
+  if (repeated_m2_ > 0.0 && repeated_m2_ >= smallest_m2_) return true;
   begins_.assign(static_cast<std::size_t>(8 * evidence.set.channels()) + 1, 0);
   for (const Candidate& candidate : candidates_) ++begins_[candidate.place + 1];
   for (std::size_t place = 1; place < begins_.size(); ++place) begins_[place] += begins_[place - 1];
@@ -40,10 +41,11 @@ bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const Sc
   return false;
 }
 
-/// Only of pixels that are matched behind the box: what is matched in it is in the map.
+/// Of pixels that are matched behind the box, and of repeated matches in it: what else is matched in it is in the map.
 void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                     bool is_told) {
   candidates_.clear();
+  repeated_m2_ = 0.0;
   const int words = evidence.set.channels() / 8;
   corrected_px_.resize(static_cast<std::size_t>(64 * words));  // of each place; grows with it
   for (int place = 0; place < 64 * words; ++place) {
@@ -55,17 +57,25 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
                             corrected_px_.begin());
   };
   const float *entry_px = box.entry().ptr<float>(), *exit_px = box.exit().ptr<float>();
-  const float *best_px = evidence.best_px.ptr<float>(), *nearest_px = evidence.nearest_px.ptr<float>();
+  const float *best_px = evidence.best_px.ptr<float>(), *repeated_px = evidence.repeated_px.ptr<float>();
+  const float* nearest_px = evidence.nearest_px.ptr<float>();
   const float* farthest_competitor_px = evidence.competitor_farthest_px.ptr<float>();
   const float* nearest_competitor_px = evidence.competitor_nearest_px.ptr<float>();
   const auto* set = evidence.set.ptr<std::uint64_t>();
   const int pixels = geometry_.size().area();
   for (int i = 0; i < pixels && candidates_.size() < kEnough * pixels; ++i) {
-    const bool competes = !is_told && (evidence.flags.data[i] & kCompetitor);
-    if (!(correction.correct(best_px[i]) < exit_px[i])) continue;
+    const bool is_repeated = !std::isnan(repeated_px[i]);
+    const double match_px = correction.correct(is_repeated ? repeated_px[i] : best_px[i]);
+    const bool is_behind = match_px < exit_px[i];
+    if (!is_behind && !is_repeated) continue;
+    const bool competes = (evidence.flags.data[i] & kCompetitor) && !(is_behind && is_told);
     if (!competes && !(correction.correct(nearest_px[i]) >= exit_px[i])) continue;
     const int first = places_below(exit_px[i] + kInside_px), end = places_below(entry_px[i]);
     if (first >= end) continue;
+    const double farthest_px = correction.correct(farthest_competitor_px[i]);
+    if (!is_behind && match_px < entry_px[i] && farthest_px >= exit_px[i] + kInside_px) {
+      repeated_m2_ += std::pow(geometry_.pixelEdge(farthest_px), 2);
+    }
     for (int word = first / 64; word < words; ++word) {
       std::uint64_t bits = set[static_cast<std::size_t>(i) * words + word];
       for (bits = bitsTo(bitsFrom(bits, word, first), word, end - 1); bits != 0; bits &= bits - 1) {

@@ -42,8 +42,8 @@ EvidenceMatcher::EvidenceMatcher(const StereoGeometry& geometry, int num_dispari
 }
 
 void EvidenceMatcher::create(DisparityEvidence& out) {
-  for (cv::Mat* map :
-       {&out.best_px, &out.farthest_px, &out.nearest_px, &out.competitor_farthest_px, &out.competitor_nearest_px}) {
+  for (cv::Mat* map : {&out.best_px, &out.repeated_px, &out.farthest_px, &out.nearest_px, &out.competitor_farthest_px,
+                       &out.competitor_nearest_px}) {
     map->create(size_, CV_32FC1);
   }
   out.flags.create(size_, CV_8UC1);
@@ -65,16 +65,20 @@ void EvidenceMatcher::toPixels(DisparityEvidence& out) const {
   const float first_px = static_cast<float>(first_px_), none = std::numeric_limits<float>::quiet_NaN();
   const std::uint8_t *flags = out.flags.data, *farthest = farthest_.data, *nearest = nearest_.data;
   const std::uint8_t *competitor_farthest = competitor_farthest_.data, *competitor_nearest = competitor_nearest_.data;
-  float *best_px = out.best_px.ptr<float>(), *farthest_px = out.farthest_px.ptr<float>();
+  float *best_px = out.best_px.ptr<float>(), *repeated_px = out.repeated_px.ptr<float>(),
+        *farthest_px = out.farthest_px.ptr<float>();
   float *nearest_px = out.nearest_px.ptr<float>(), *competitor_farthest_px = out.competitor_farthest_px.ptr<float>();
   float* competitor_nearest_px = out.competitor_nearest_px.ptr<float>();
   for (int i = 0; i < size_.area(); ++i) {
-    best_px[i] = (flags[i] & kMatched) == kMatched ? plausible(best_px[i] + first_px) : none;
     farthest_px[i] = static_cast<float>(farthest[i]) + (first_px - kBoundSlack_px);
     nearest_px[i] = static_cast<float>(nearest[i]) + (first_px + kBoundSlack_px);
     const bool competitor = flags[i] & kCompetitor;
     competitor_farthest_px[i] = competitor ? static_cast<float>(competitor_farthest[i]) + first_px : none;
     competitor_nearest_px[i] = competitor ? static_cast<float>(competitor_nearest[i]) + first_px : none;
+    const float match_px = (flags[i] & kMatched) == kMatched ? plausible(best_px[i] + first_px) : none;
+    const bool is_repeated = competitor_farthest_px[i] < match_px;
+    best_px[i] = is_repeated ? none : match_px;
+    repeated_px[i] = is_repeated ? match_px : none;
   }
 }
 

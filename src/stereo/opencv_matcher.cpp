@@ -106,9 +106,9 @@ void OpencvMatcher::write(DisparityEvidence& out) const {
   }
   out.best_px.copyTo(out.farthest_px);
   out.best_px.copyTo(out.nearest_px);
-  for (cv::Mat* competitor : {&out.competitor_farthest_px, &out.competitor_nearest_px}) {
-    competitor->create(geometry_.size(), CV_32FC1);
-    competitor->setTo(std::numeric_limits<float>::quiet_NaN());
+  for (cv::Mat* unknown : {&out.repeated_px, &out.competitor_farthest_px, &out.competitor_nearest_px}) {
+    unknown->create(geometry_.size(), CV_32FC1);
+    unknown->setTo(std::numeric_limits<float>::quiet_NaN());
   }
   out.flags = cv::Mat::zeros(geometry_.size(), CV_8UC1);
   out.set = cv::Mat::zeros(geometry_.size(), CV_8UC(8));

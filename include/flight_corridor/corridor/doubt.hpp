@@ -13,8 +13,8 @@
 namespace flight_corridor {
 
 /// Whether something could stand in a box that the images match behind it: pixels whose set of disparities, or whose
-/// distinct competitor, has one in the box. A single pixel finds chance matches; what counts is a patch of them at one
-/// disparity, as large as the smallest obstacle. One object, one thread.
+/// distinct competitor, has one in the box; and repeated matches in it. A single pixel finds chance matches; what
+/// counts is a patch of them at one disparity, as large as the smallest obstacle. One object, one thread.
 class Doubt {
  public:
   /// @param smallest_obstacle_m edge of a square: a patch of its area is doubt enough.
@@ -41,6 +41,7 @@ class Doubt {
   double first_px_, smallest_m2_;
   std::vector<double> corrected_px_;    // a place
   std::vector<Candidate> candidates_;   // in the order of the pixels
+  double repeated_m2_ = 0.0;            // of repeated matches that are in the box whichever of their places is right
   std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
   std::vector<int> labels_;             // a pixel; -1: none
   std::vector<int> parents_, sizes_;    // a label
