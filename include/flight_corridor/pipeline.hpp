@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory_resource>
 #include <optional>
 
 #include "flight_corridor/config.hpp"
@@ -134,6 +135,8 @@ class Pipeline {
   RecentBlock recent_block_;
   BoxView box_view_;  // of the corridor
   Doubt doubt_;
+  // For what a frame needs and leaves; larger blocks than these are given back.
+  mutable std::pmr::unsynchronized_pool_resource scratch_{std::pmr::pool_options{0, 4u << 20}};
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
