@@ -42,7 +42,8 @@ struct Counters : RangeCounts {
   std::uint64_t frames = 0, frames_refused = 0;
 };
 
-/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws.
+/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws, and no
+/// memory is taken but for more than was ever needed before.
 class Pipeline {
  public:
   /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing before

@@ -83,7 +83,7 @@ class OccupancyMap {
   static constexpr std::uint64_t kNoBlock = ~std::uint64_t{0};
   std::uint64_t last_block_ = kNoBlock;  // noted last in seen_s_
   double now_s_ = 0.0;
-  BandWorkers workers_{2};
+  BandWorkers workers_{2};  // the caller, and one that counts points meanwhile
 };
 
 }  // namespace flight_corridor
