@@ -155,7 +155,7 @@ CorridorOccupancy Pipeline::inspectCorridor() const {
   const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
   const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
                            const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_m_, report_.scale_sigma, T_M_C, box);
+    SurfaceInBox surface(config_.map, geometry_, depth_m_, report_.scale_sigma, T_M_C, box, &scratch_);
     return corridor_.inspect(
         map.tree(), box, T_M_C.translation(), observable,
         [&](const Eigen::Vector3d& cell_centre, double near_m) { return surface.begin(cell_centre, near_m); });
@@ -180,7 +180,7 @@ void Pipeline::decide() {
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   if (beam_end_m) verdict.reasons |= kShortRange;
   if (stateOf(verdict.reasons) == State::Blocked) {
-    recent_block_.note(verdict, beam_end_m, frameMap(), boxInCamera());
+    recent_block_.note(verdict, beam_end_m, frameMap(), boxInCamera(), &scratch_);
   } else if (recent_block_.mayRemain(verdict.stamp_s, frameMap(), boxInCamera())) {
     verdict.reasons |= kRecentlyBlocked;
   }
@@ -200,7 +200,7 @@ std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) co
   std::uint32_t reasons = 0;
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
   if (doubt.isIn(view, disparity_, scale(), is_told) ||
-      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_told, geometry_)) {
+      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_told, geometry_, &scratch_)) {
     reasons |= kUnmatched;
   }
   return reasons;

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <vector>
 
-#include "flight_corridor/stereo/band_workers.hpp"
+#include "flight_corridor/band_workers.hpp"
 
 namespace flight_corridor {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory_resource>
 #include <optional>
 
 #include "flight_corridor/config.hpp"
@@ -41,7 +42,8 @@ struct Counters : RangeCounts {
   std::uint64_t frames = 0, frames_refused = 0;
 };
 
-/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws.
+/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws, and no
+/// memory is taken but for more than was ever needed before.
 class Pipeline {
  public:
   /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing before
@@ -134,6 +136,8 @@ class Pipeline {
   RecentBlock recent_block_;
   BoxView box_view_;  // of the corridor
   Doubt doubt_;
+  // For what a frame needs and leaves; larger blocks than these are given back.
+  mutable std::pmr::unsynchronized_pool_resource scratch_{std::pmr::pool_options{0, 4u << 20}};
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;

@@ -49,8 +49,9 @@ struct RangeReading {
 };
 
 /// Convex region of space: the points p with planes^T (p, 1) >= 0; all of space without a plane. One plane a column:
-/// unit normal pointing inwards, then offset [m]. T_A_B^T planes_A are the same planes in B (Hartley and Zisserman
-/// 2004, ch. 3).
-using ConvexRegion = Eigen::Matrix4Xd;
+/// unit normal pointing inwards, then offset [m]; so many at most. T_A_B^T planes_A are the same planes in B (Hartley
+/// and Zisserman 2004, ch. 3).
+constexpr int kMostPlanes = 16;
+using ConvexRegion = Eigen::Matrix<double, 4, Eigen::Dynamic, Eigen::ColMajor, 4, kMostPlanes>;
 
 }  // namespace flight_corridor

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace flight_corridor {
 
@@ -95,14 +95,16 @@ double unknownFraction(const Cells& cells) {
 class CellCount {
  public:
   CellCount(const octomap::OcTree& tree, const ConvexRegion& region_M) : tree_(tree) {
-    for (Eigen::Index i = 0; i < region_M.cols(); ++i) planes_.emplace_back(region_M.col(i));
-    visit(root(tree), planes_.size());
+    const auto planes = static_cast<std::size_t>(region_M.cols());
+    for (std::size_t i = 0; i < planes; ++i) planes_[i] = Plane(region_M.col(static_cast<Eigen::Index>(i)));
+    visit(root(tree), planes);
   }
 
   const Cells& cells() const { return cells_; }
 
  private:
   struct Plane {
+    Plane() = default;
     explicit Plane(const Eigen::Vector4d& plane_M)
         : normal_M(plane_M.head<3>()), offset_m(plane_M[3] + kRounding_m), spread(normal_M.lpNorm<1>()) {
       for (unsigned child = 0; child < 8; ++child) step[child] = normal_M.dot(corner(child));
@@ -167,7 +169,7 @@ class CellCount {
   }
 
   const octomap::OcTree& tree_;
-  std::vector<Plane> planes_;
+  std::array<Plane, kMostPlanes> planes_;
   Cells cells_;
 };
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
@@ -40,11 +41,13 @@ constexpr double kFartherShare = 0.1;      // of it, at least
 class SecondMatches {
  public:
   SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, double nearest_m,
-                const StereoGeometry& geometry)
+                const StereoGeometry& geometry, std::pmr::memory_resource* memory)
       : geometry_(geometry),
-        matcher_(pair.left, pair.right, rows),
+        matcher_(pair.left, pair.right, rows, memory),
         nearest_px_(wholePixels(geometry.disparity(nearest_m))),
-        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))) {}
+        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))),
+        correlations_(memory),
+        offsets_px_(memory) {}
 
   /// Looks at a window on a surface. A match counts that is as good as the best at or behind the surface, with a worse
   /// one between the two, and between any two.
@@ -76,7 +79,7 @@ class SecondMatches {
   }
 
   /// By how much larger the disparities of the last window's matches in the box are than that of its own.
-  const std::vector<int>& offsets() const { return offsets_px_; }
+  const std::pmr::vector<int>& offsets() const { return offsets_px_; }
 
  private:
   int wholePixels(double disparity_px) const {
@@ -93,8 +96,8 @@ class SecondMatches {
   const StereoGeometry& geometry_;
   WindowMatcher matcher_;
   int nearest_px_, end_px_;
-  std::vector<float> correlations_;
-  std::vector<int> offsets_px_;
+  std::pmr::vector<float> correlations_;
+  std::pmr::vector<int> offsets_px_;
 };
 
 /// A window that has a match in the box.
@@ -104,32 +107,35 @@ struct Bar {
   int offset_px;      // of its match in the box from that
 };
 
-/// Those of one surface and one offset.
+using Bars = std::pmr::vector<Bar>;
+
+/// Those of one surface and one offset, give or take a pixel.
 struct Railing {
-  std::vector<Bar> bars;
-  double surface_px = 0.0;
-  int offset_px = 0;
+  int at_px = 0, offset_px = 0;
+  std::size_t windows = 0;
+  double surface_px = 0.0;  // their mean
+
+  bool has(const Bar& bar) const {
+    return std::abs(static_cast<int>(std::lround(bar.surface_px)) - at_px) <= 1 &&
+           std::abs(bar.offset_px - offset_px) <= 1;
+  }
 };
 
-int wholePixel(const Bar& bar) { return static_cast<int>(std::lround(bar.surface_px)); }
-
-/// The windows of one surface and one offset, give or take a pixel.
-Railing railingOf(const std::vector<Bar>& bars, int surface_px, int offset_px) {
-  Railing railing;
-  railing.offset_px = offset_px;
+Railing railingOf(const Bars& bars, int at_px, int offset_px) {
+  Railing railing{at_px, offset_px};
   for (const Bar& bar : bars) {
-    if (std::abs(wholePixel(bar) - surface_px) > 1 || std::abs(bar.offset_px - offset_px) > 1) continue;
-    railing.bars.push_back(bar);
+    if (!railing.has(bar)) continue;
+    ++railing.windows;
     railing.surface_px += bar.surface_px;
   }
-  if (!railing.bars.empty()) railing.surface_px /= static_cast<double>(railing.bars.size());
+  if (railing.windows > 0) railing.surface_px /= static_cast<double>(railing.windows);
   return railing;
 }
 
 /// The most of them.
-Railing largestRailing(const std::vector<Bar>& bars) {
-  std::map<std::pair<int, int>, int> windows;
-  for (const Bar& bar : bars) ++windows[{wholePixel(bar), bar.offset_px}];
+Railing largestRailing(const Bars& bars) {
+  std::pmr::map<std::pair<int, int>, int> windows(bars.get_allocator());
+  for (const Bar& bar : bars) ++windows[{static_cast<int>(std::lround(bar.surface_px)), bar.offset_px}];
   int most = 0, surface_px = 0, offset_px = 0;
   for (const auto& [key, count] : windows) {
     int like = 0;
@@ -146,13 +152,13 @@ Railing largestRailing(const std::vector<Bar>& bars) {
 
 /// Of the same surface, by the least offset on which nearly as many agree: equal bars fit on each next one, and on
 /// those after it.
-Railing byItsPitch(const Railing& railing, const std::vector<Bar>& bars) {
+Railing byItsPitch(const Railing& railing, const Bars& bars) {
   const int surface_px = static_cast<int>(std::lround(railing.surface_px));
   for (int offset_px = 1; offset_px <= railing.offset_px / 2 + 1; ++offset_px) {
-    Railing other = railingOf(bars, surface_px, offset_px);
-    if (other.bars.size() < kOfAPitch * railing.bars.size()) continue;
-    Railing next = railingOf(bars, surface_px, offset_px + 1);
-    return next.bars.size() > other.bars.size() ? next : other;
+    const Railing other = railingOf(bars, surface_px, offset_px);
+    if (other.windows < kOfAPitch * railing.windows) continue;
+    const Railing next = railingOf(bars, surface_px, offset_px + 1);
+    return next.windows > other.windows ? next : other;
   }
   return railing;
 }
@@ -160,34 +166,41 @@ Railing byItsPitch(const Railing& railing, const std::vector<Bar>& bars) {
 /// Share of a railing's windows in whose place on the next bar, on which their own was matched, there is one of it,
 /// too.
 /// @param out_of_view the answer when all those places are.
-double shareInARow(const Railing& railing, const cv::Rect& view, double out_of_view) {
-  cv::Mat is_bar = cv::Mat::zeros(view.br().y, view.br().x, CV_8U);
-  for (const Bar& bar : railing.bars) is_bar.at<std::uint8_t>(bar.at) = 255;
+double shareInARow(const Railing& railing, const Bars& bars, const cv::Rect& view, double out_of_view) {
+  std::pmr::vector<bool> is_bar(static_cast<std::size_t>(view.area()), bars.get_allocator());
+  const auto place = [&](int u, int v) { return is_bar.begin() + (v - view.y) * view.width + u - view.x; };
+  for (const Bar& bar : bars) {
+    if (railing.has(bar)) *place(bar.at.x, bar.at.y) = true;
+  }
   int in_view = 0, in_a_row = 0;
-  for (const Bar& bar : railing.bars) {
-    const cv::Rect next(bar.at.x + railing.offset_px - kBarStride_px / 2, bar.at.y, kBarStride_px + 1, 1);
-    if (next.br().x > view.br().x) continue;
+  for (const Bar& bar : bars) {
+    const int first_u = bar.at.x + railing.offset_px - kBarStride_px / 2, end_u = first_u + kBarStride_px + 1;
+    if (!railing.has(bar) || end_u > view.br().x) continue;
+    const auto next = place(first_u, bar.at.y), end = place(end_u, bar.at.y);
     ++in_view;
-    in_a_row += cv::countNonZero(is_bar(next)) > 0;
+    in_a_row += std::find(next, end, true) != end;
   }
   return in_view > 0 ? static_cast<double>(in_a_row) / in_view : out_of_view;
 }
 
 /// Whether the bars would be farther apart than those of a fence if they were where they were matched.
 /// @param least_px smaller offsets are not in the box: half of the railing's must be, or it may be twice the pitch.
-bool isTooWideForAFence(const Railing& railing, double least_px, const cv::Rect& view, const StereoGeometry& geometry) {
+bool isTooWideForAFence(const Railing& railing, const Bars& bars, double least_px, const cv::Rect& view,
+                        const StereoGeometry& geometry) {
   const double pitch_m = railing.offset_px * geometry.depth(railing.surface_px) / geometry.calibration().fx_px;
   return railing.offset_px >= 2.0 * least_px && pitch_m > kWidePitch_m &&
-         shareInARow(railing, view, 0.0) >= kWideInARow;
+         shareInARow(railing, bars, view, 0.0) >= kWideInARow;
 }
 
-/// Mean gradient along the row around each pixel [grey levels], CV_32FC1.
-cv::Mat textureOf(const cv::Mat& image) {
-  cv::Mat gradient, texture;
-  cv::Sobel(image, gradient, CV_16S, 1, 0, 1, 0.5);
-  cv::convertScaleAbs(gradient, gradient);
-  cv::boxFilter(gradient, texture, CV_32F, {kMiddle_px, kMiddle_px});
-  return texture;
+/// Mean gradient along the row in a window's middle [grey levels].
+float textureAt(const cv::Mat& image, int u, int v) {
+  int sum = 0;
+  for (int i = 0; i < kMiddle_px * kMiddle_px; ++i) {
+    const auto* pixel =
+        image.ptr<std::uint8_t>(v + i / kMiddle_px - kMiddle_px / 2, u + i % kMiddle_px - kMiddle_px / 2);
+    sum += std::abs(cvRound(0.5 * (pixel[1] - pixel[-1])));
+  }
+  return static_cast<float>(sum) / static_cast<float>(kMiddle_px * kMiddle_px);
 }
 
 /// Whether much of what is seen in and around a view is behind a surface.
@@ -195,38 +208,46 @@ bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_
   const cv::Rect around = cv::Rect(view.tl() - cv::Point(view.size()), view.size() * 3) & cv::Rect({}, depth_m.size());
   const double farther_px = surface_px - kFarther_px;
   if (!(farther_px > 0.0)) return false;  // nothing is farther than a surface that is nearly at infinity
-  const int farther = cv::countNonZero(depth_m(around) > geometry.depth(farther_px));
-  return farther >= kFartherShare * cv::countNonZero(depth_m(around) > 0.0);
+  const auto beyond_m = static_cast<float>(geometry.depth(farther_px));
+  int known = 0, farther = 0;
+  for (int v = around.y; v < around.br().y; ++v) {
+    for (int u = around.x; u < around.br().x; ++u) {
+      known += depth_m.at<float>(v, u) > 0.0f;
+      farther += depth_m.at<float>(v, u) > beyond_m;
+    }
+  }
+  return farther >= kFartherShare * known;
 }
 
 }  // namespace
 
 bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m, bool is_told,
-                  const StereoGeometry& geometry) {
+                  const StereoGeometry& geometry, std::pmr::memory_resource* memory) {
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
-  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry);
+  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry, memory);
   const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
-  const cv::Mat texture = textureOf(pair.left);
-  std::vector<Bar> bars;
+  constexpr int kReach_px = WindowMatcher::kReach_px;
+  const cv::Rect whole(kReach_px, kReach_px, pair.left.cols - 2 * kReach_px, pair.left.rows - 2 * kReach_px);
+  Bars bars(memory);
   int fitting = 0;
   for (int v = view.y; v < view.br().y; v += rows_px) {
     for (int u = view.x; u < view.br().x; u += kBarStride_px) {
       const float own_m = depth_m.at<float>(v, u);
-      if (!(own_m > end_m) || texture.at<float>(v, u) < kBarTexture) continue;
+      if (!whole.contains({u, v}) || !(own_m > end_m) || textureAt(pair.left, u, v) < kBarTexture) continue;
       const double own_px = geometry.disparity(own_m);
       fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
       for (const int offset_px : matches.offsets()) bars.push_back({{u, v}, own_px, offset_px});
     }
   }
   const Railing railing = largestRailing(bars);
-  const auto windows = static_cast<double>(railing.bars.size());
+  const auto windows = static_cast<double>(railing.windows);
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
   if (is_told && windows >= kPatternOnlyShare * fitting) return false;
-  if (!(shareInARow(railing, view, 1.0) >= kInARow)) return false;
+  if (!(shareInARow(railing, bars, view, 1.0) >= kInARow)) return false;
   const double least_px = geometry.disparity(end_m) - railing.surface_px;
-  return isTooWideForAFence(byItsPitch(railing, bars), least_px, view, geometry) ||
+  return isTooWideForAFence(byItsPitch(railing, bars), bars, least_px, view, geometry) ||
          !showsFarther(view, railing.surface_px, depth_m, geometry);
 }
 

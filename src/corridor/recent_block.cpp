@@ -16,14 +16,11 @@ constexpr double kLarge_m2 = 0.035;      // seen of a group of hit cells: a smal
 constexpr std::size_t kLarge_cells = 4;  // may be hit nowhere in the next image
 
 using Seen = OccupancyMap::Seen;
-using Cells = std::vector<Seen>;
+using Cells = std::pmr::vector<Seen>;
 
-/// The newest image's hits that share a point with a box, cells being taken to be so large.
-Cells hitsIn(const OccupancyMap& newest, const Box& box, double cell_m) {
-  Cells hits;
-  std::copy_if(newest.seen().begin(), newest.seen().end(), std::back_inserter(hits),
-               [&](const Seen& cell) { return cell.is_hit && intersects(box, cell.centre_M, cell_m); });
-  return hits;
+/// Whether a cell, taken to be so large, is a hit that shares a point with a box.
+bool isHitIn(const Seen& cell, const Box& box, double cell_m) {
+  return cell.is_hit && intersects(box, cell.centre_M, cell_m);
 }
 
 bool isLarge(const Cells& group, double cell_m) {
@@ -33,17 +30,18 @@ bool isLarge(const Cells& group, double cell_m) {
 }
 
 /// Groups of cells that touch each other.
-std::vector<Cells> groupsOf(const Cells& cells, double cell_m) {
+std::pmr::vector<Cells> groupsOf(const Cells& cells, double cell_m) {
   using Key = std::array<int, 3>;
-  std::map<Key, Seen> rest;
+  std::pmr::map<Key, Seen> rest(cells.get_allocator());
   for (const Seen& cell : cells) {
     const Eigen::Array3i place = (cell.centre_M / cell_m).array().floor().cast<int>();
     rest.emplace(Key{place.x(), place.y(), place.z()}, cell);
   }
-  std::vector<Cells> groups;
+  std::pmr::vector<Cells> groups(cells.get_allocator());
+  std::pmr::vector<Key> open(cells.get_allocator());
   while (!rest.empty()) {
     Cells& group = groups.emplace_back();
-    std::vector<Key> open{rest.begin()->first};
+    open.push_back(rest.begin()->first);
     while (!open.empty()) {
       const Key key = open.back();
       open.pop_back();
@@ -80,7 +78,7 @@ double beginOf(const Seen& cell, const Box& box, double cell_m) {
 double RecentBlock::reach() const { return std::max(2.0 * kEdge_m, 3.0 * cell_m_); }
 
 void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam_end_m, const OccupancyMap& newest,
-                       const Box& box) {
+                       const Box& box, std::pmr::memory_resource* memory) {
   const auto is_in_box = [&](const Seen& cell) {  // what begins at the far end is not
     return intersects(box, cell.centre_M, cell_m_) && beginOf(cell, box, cell_m_) < box.size_m.x() - kTouch_m;
   };
@@ -88,13 +86,14 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
   middle.size_m = (box.size_m - kEdge_m * Eigen::Vector3d(1.0, 2.0, 2.0)).cwiseMax(0.0);
 
   blocked_s_ = verdict.stamp_s;
-  const Cells hits = hitsIn(newest, box, reach());  // how large a thing is does not end where the box does
-  Cells large, small;
+  Cells hits(memory), large(memory), small(memory), in_middle(memory);
+  const auto is_near = [&](const Seen& cell) { return isHitIn(cell, box, reach()); };  // large things end beside it
+  std::copy_if(newest.seen().begin(), newest.seen().end(), std::back_inserter(hits), is_near);
   for (const Cells& group : groupsOf(hits, cell_m_)) {
     const bool is_large = isLarge(group, cell_m_);
     Cells& kind = is_large ? large : small;
     kind.insert(kind.end(), group.begin(), group.end());
-    Cells in_middle;
+    in_middle.clear();
     std::copy_if(group.begin(), group.end(), std::back_inserter(in_middle),
                  [&](const Seen& cell) { return intersects(middle, cell.centre_M, cell_m_); });
     const bool is_in_the_way = std::any_of(group.begin(), group.end(), is_in_box);
@@ -119,7 +118,10 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
 
 bool RecentBlock::mayRemain(double stamp_s, const OccupancyMap& newest, const Box& box) const {
   const auto is_recent = [&](double blocked_s) { return std::abs(stamp_s - blocked_s) <= hold_s_; };
-  const auto is_hit = [&](double cell_m) { return !hitsIn(newest, box, cell_m).empty(); };
+  const auto is_hit = [&](double cell_m) {
+    return std::any_of(newest.seen().begin(), newest.seen().end(),
+                       [&](const Seen& cell) { return isHitIn(cell, box, cell_m); });
+  };
   return is_recent(missable_s_) || (is_recent(edge_s_) && is_hit(reach())) ||
          (is_recent(blocked_s_) && is_hit(cell_m_));
 }

@@ -17,8 +17,11 @@ constexpr double kUncertainShare = 0.15;  // of a surface's points that may be n
 }  // namespace
 
 SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m,
-                           double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box)
-    : config_(config),
+                           double scale_sigma, const Eigen::Isometry3d& T_M_C, const Box& box,
+                           std::pmr::memory_resource* memory)
+    : min_hit_points_(config.min_hit_points),
+      hit_band_px_(config.hit_band_px),
+      cell_m_(config.resolution_m),
       geometry_(geometry),
       hit_rule_(config, geometry.calibration()),
       depth_m_(depth_m),
@@ -26,12 +29,13 @@ SurfaceInBox::SurfaceInBox(const MapConfig& config, const StereoGeometry& geomet
       T_M_C_(T_M_C),
       T_F_C_(box.T_M_F.inverse() * T_M_C),
       box_size_m_(box.size_m),
-      cell_reach_C_(0.5 * config.resolution_m * T_M_C.linear().cwiseAbs().colwise().sum().transpose()) {}
+      cell_reach_C_(0.5 * config.resolution_m * T_M_C.linear().cwiseAbs().colwise().sum().transpose()),
+      begins_m_(memory) {}
 
 double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) {
   const Eigen::Vector3d centre_C = T_M_C_.inverse() * cell_centre_M;
   if (!isShown(centre_C)) return near_m;
-  if (static_cast<int>(begins_m_.size()) < config_.min_hit_points) return kInfinity;
+  if (static_cast<int>(begins_m_.size()) < min_hit_points_) return kInfinity;
   const auto begin = begins_m_.begin() + static_cast<std::ptrdiff_t>(kUncertainShare * begins_m_.size());
   std::nth_element(begins_m_.begin(), begin, begins_m_.end());
   return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
@@ -51,7 +55,7 @@ bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
     for (int u = area.x; u < area.br().x; ++u) {
       const Eigen::Vector3d ray_C = geometry_.point(u, v, 1.0), ray = R_M_C * ray_C;
       const double depth_m = depth_m_.at<float>(v, u);
-      const double hit_m = geometry_.shiftedDepth(depth_m, config_.hit_band_px);
+      const double hit_m = geometry_.shiftedDepth(depth_m, hit_band_px_);
       const bool is_hit = isInCell(ray * hit_m - centre), crosses = isInCell(ray * centre_C.z() - centre);
       rays += is_hit || crosses;
       hits += is_hit;
@@ -60,7 +64,7 @@ bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
     }
   }
   return hit_rule_.isHit(static_cast<std::uint32_t>(hits), static_cast<float>(centre_C.z())) ||
-         (begins_m_.empty() && rays >= config_.min_hit_points && hits + behind >= (1.0 - kUncertainShare) * rays);
+         (begins_m_.empty() && rays >= min_hit_points_ && hits + behind >= (1.0 - kUncertainShare) * rays);
 }
 
 /// Pixels of the box square to C around a cell; none where it does not lie wholly on the image.
@@ -77,7 +81,7 @@ cv::Rect SurfaceInBox::pixels(const Eigen::Vector3d& cell_centre_C) const {
 }
 
 bool SurfaceInBox::isInCell(const Eigen::Vector3d& from_centre) const {
-  return (from_centre.cwiseAbs().array() <= 0.5 * config_.resolution_m).all();
+  return (from_centre.cwiseAbs().array() <= 0.5 * cell_m_).all();
 }
 
 /// Or so little beside it that its edge may be, or that it would be if the depth's scale is wrong.

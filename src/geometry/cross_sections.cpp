@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstddef>
 
 namespace flight_corridor {
 
@@ -33,30 +32,49 @@ cv::Rect viewOf(const Box& box_C, double x_m, const StereoGeometry& geometry) {
   return {first.x(), first.y(), last.x() - first.x(), last.y() - first.y()};
 }
 
-}  // namespace
-
-std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry) {
+/// From the end inwards, those in view.
+/// @param see takes a view, and tells whether it wants the next one.
+template <class See>
+void forEachSection(const Box& box_C, const StereoGeometry& geometry, const See& see) {
   const double end_m = box_C.size_m.x();
-  std::vector<cv::Rect> views;
   for (double x_m = end_m; x_m >= 0.0;) {
     const double distance_m = (box_C.T_M_F * Eigen::Vector3d(x_m, 0.0, 0.0)).norm();
     if (x_m == end_m || distance_m >= kNearest_m) {
-      if (const cv::Rect view = viewOf(box_C, x_m, geometry); !view.empty()) views.push_back(view);
+      if (const cv::Rect view = viewOf(box_C, x_m, geometry); !view.empty() && !see(view)) return;
     }
     if (x_m == 0.0) break;
     x_m = std::max(0.0, x_m - kStep * std::max(distance_m, kNearest_m));
   }
+}
+
+}  // namespace
+
+std::vector<cv::Rect> crossSections(const Box& box_C, const StereoGeometry& geometry) {
+  std::vector<cv::Rect> views;
+  forEachSection(box_C, geometry, [&](const cv::Rect& view) {
+    views.push_back(view);
+    return true;
+  });
   return views;
 }
 
 cv::Rect viewOfEnd(const Box& box_C, const StereoGeometry& geometry) {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
-  return views.empty() ? cv::Rect() : views.front();
+  cv::Rect end;
+  forEachSection(box_C, geometry, [&](const cv::Rect& view) {
+    end = view;
+    return false;
+  });
+  return end;
 }
 
 cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry) {
-  const std::vector<cv::Rect> views = crossSections(box_C, geometry);
-  return views.empty() ? cv::Rect() : views[std::min<std::size_t>(1, views.size() - 1)];
+  cv::Rect far_part;
+  int views = 0;
+  forEachSection(box_C, geometry, [&](const cv::Rect& view) {
+    far_part = view;
+    return ++views < 2;
+  });
+  return far_part;
 }
 
 }  // namespace flight_corridor

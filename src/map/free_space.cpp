@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <opencv2/core/utility.hpp>
 
@@ -14,6 +15,7 @@ namespace {
 constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this may reach behind the camera's optical centre
 constexpr double kSeenTile = 0.5;          // share of a tile's pixels that must have a ray
 constexpr unsigned kAllChildren = 0xFF;
+constexpr std::size_t kMostFamilies = 1 + 8 + 64 + 512;  // of a block: its cubes that are no cells
 
 /// Tile of a pixel's column or row, moved into the image.
 int tileAt(float px, float last_px) {
@@ -58,7 +60,7 @@ const std::vector<FreeSpace::Families>& FreeSpace::find(const cv::Mat& depth_m, 
   blocks_.clear();
   const Cube root{octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation(), std::numeric_limits<float>::infinity()};
   findBelow(root, free_[0], &blocks_);
-  if (free_.size() <= blocks_.size()) free_.resize(blocks_.size() + 1);
+  while (free_.size() <= blocks_.size()) free_.emplace_back().reserve(kMostFamilies);
   cv::parallel_for_({0, static_cast<int>(blocks_.size())}, [this](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) findBelow(blocks_[i], free_[i + 1], nullptr);
   });

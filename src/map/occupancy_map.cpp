@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 
 namespace flight_corridor {
 
@@ -39,16 +38,19 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
 }
 
 /// Points are counted while free space is found, after it where there is no thread to be had; what the tree is told
-/// does not depend on which ends first. Counting calls nothing that works on OpenCV's threads: what those keep for each
-/// caller's thread stays when it ends.
+/// does not depend on which ends first.
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
-  std::future<void> counted =
-      std::async(std::launch::async | std::launch::deferred, [&] { points_.count(depth_m, T_M_C); });
   static const std::vector<FreeSpace::Families> kNone;
-  const std::vector<FreeSpace::Families>& free = clears ? free_space_.find(depth_m, T_M_C) : kNone;
-  counted.get();
+  const std::vector<FreeSpace::Families>* free = &kNone;
+  workers_.run(2, [&](int part, int) {
+    if (part == 1) {
+      points_.count(depth_m, T_M_C);
+    } else if (clears) {
+      free = &free_space_.find(depth_m, T_M_C);
+    }
+  });
   addHits(T_M_C.inverse().cast<float>());
-  for (const FreeSpace::Families& families : free) {
+  for (const FreeSpace::Families& families : *free) {
     for (const FreeSpace::Family& family : families) {
       addToChildren(family.key, family.depth, family.children, config_.log_odds_miss);
     }

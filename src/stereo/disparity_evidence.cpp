@@ -22,11 +22,11 @@ GreyImage viewOf(const cv::Mat& image) {
 std::string describe(const cv::Size& size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
 
 void throwIfUnfit(const cv::Mat& image, const std::string& side, const cv::Size& size) {
-  const auto require = [&side](bool holds, const std::string& fault) {
-    if (!holds) throw std::invalid_argument("evidence matcher: the " + side + " image " + fault);
-  };
-  require(image.size() == size, "is " + describe(image.size()) + ", not " + describe(size));
-  require(image.type() == CV_8UC1, "is not grey of 8 bits: its OpenCV type is " + std::to_string(image.type()));
+  if (image.size() == size && image.type() == CV_8UC1) return;
+  const std::string fault = image.size() == size
+                                ? "is not grey of 8 bits: its OpenCV type is " + std::to_string(image.type())
+                                : "is " + describe(image.size()) + ", not " + describe(size);
+  throw std::invalid_argument("evidence matcher: the " + side + " image " + fault);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory_resource>
 #include <optional>
 
 #include "flight_corridor/corridor/verdict.hpp"
@@ -22,8 +23,9 @@ class RecentBlock {
   /// @param beam_end_m along the box's axis, where the beam ends in the box.
   /// @param newest map of the newest image, in C.
   /// @param box in C.
-  void note(const Verdict& verdict, const std::optional<double>& beam_end_m, const OccupancyMap& newest,
-            const Box& box);
+  /// @param memory for scratch.
+  void note(const Verdict& verdict, const std::optional<double>& beam_end_m, const OccupancyMap& newest, const Box& box,
+            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   /// Within hold_s: after what may be missed, after what stood at the box's edge while a cell near the box is hit, and
   /// while one that touches it is.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -17,8 +18,10 @@ class SurfaceInBox {
   /// @param config of the map whose cells are asked for: a hit is the same here and there.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = nothing; shared, not copied.
   /// @param scale_sigma one sigma of the depth's scale [-]; NaN or infinite: whole cells block.
+  /// @param memory for scratch.
   SurfaceInBox(const MapConfig& config, const StereoGeometry& geometry, const cv::Mat& depth_m, double scale_sigma,
-               const Eigen::Isometry3d& T_M_C, const Box& box);
+               const Eigen::Isometry3d& T_M_C, const Box& box,
+               std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   /// Where along the box's axis [m] the surface begins that fills an occupied cell, its nearest points left out as
   /// noise.
@@ -33,14 +36,15 @@ class SurfaceInBox {
   bool isInCell(const Eigen::Vector3d& from_centre) const;
   bool isInBox(const Eigen::Vector3d& point_C) const;
 
-  MapConfig config_;
+  int min_hit_points_;
+  double hit_band_px_, cell_m_;
   StereoGeometry geometry_;
   HitRule hit_rule_;
   cv::Mat depth_m_;
   double scale_sigma_;
   Eigen::Isometry3d T_M_C_, T_F_C_;
   Eigen::Vector3d box_size_m_, cell_reach_C_;  // half extents of the box square to C around a cell
-  std::vector<double> begins_m_;               // scratch: of the cell's points in the box
+  std::pmr::vector<double> begins_m_;          // scratch: of the cell's points in the box
 };
 
 }  // namespace flight_corridor

@@ -4,10 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <unordered_map>
 #include <vector>
 
+#include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/geometry/box.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/map/evidence_tree.hpp"
@@ -75,10 +77,13 @@ class OccupancyMap {
   FreeSpace free_space_;
   std::vector<Seen> seen_;
   octomap::KeyRay beam_;
-  std::unordered_map<std::uint64_t, double> seen_s_;  // per block, by its lowest cell: stamp of its last evidence
+  std::pmr::unsynchronized_pool_resource blocks_memory_;
+  // Per block, by its lowest cell: stamp of its last evidence.
+  std::pmr::unordered_map<std::uint64_t, double> seen_s_{&blocks_memory_};
   static constexpr std::uint64_t kNoBlock = ~std::uint64_t{0};
   std::uint64_t last_block_ = kNoBlock;  // noted last in seen_s_
   double now_s_ = 0.0;
+  BandWorkers workers_{2};  // the caller, and one that counts points meanwhile
 };
 
 }  // namespace flight_corridor

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <utility>
 #include <vector>
 
@@ -22,30 +21,31 @@ class PendingReadings {
  public:
   /// @param stamp_s NaN: the reading has none.
   void put(double stamp_s, Reading reading) {
-    if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+    if (waiting_.size() == kMostWaiting) waiting_.erase(waiting_.begin(), waiting_.begin() + kMostWaiting / 2);
     waiting_.push_back({stamp_s, std::move(reading)});
   }
 
   /// Those not after a pair, in the order of arrival; later ones go on waiting for theirs.
-  std::vector<Reading> take(double pair_stamp_s) {
+  /// @return valid until the next call.
+  const std::vector<Reading>& take(double pair_stamp_s) {
     const bool begins = !(pair_stamp_s >= pair_stamp_s_ - kLongestDelay_s);
     const double earliest_s = (begins ? pair_stamp_s : pair_stamp_s_) - kLongestDelay_s;
-    std::vector<Reading> taken;
-    std::deque<Waiting> later;
-    for (Waiting& waiting : waiting_) {
+    taken_.clear();
+    auto later = waiting_.begin();
+    for (const Waiting& waiting : waiting_) {
       const bool is_plausible = earliest_s <= waiting.stamp_s && waiting.stamp_s <= pair_stamp_s + kLongestDelay_s;
       if (is_plausible && waiting.stamp_s <= pair_stamp_s) {
-        taken.push_back(std::move(waiting.reading));
+        taken_.push_back(waiting.reading);
       } else if (is_plausible) {
-        later.push_back(std::move(waiting));
+        *later++ = waiting;
       } else if (!begins) {
         ++refused_;
         difference_s_ = waiting.stamp_s - pair_stamp_s;
       }
     }
-    waiting_ = std::move(later);
+    waiting_.erase(later, waiting_.end());
     pair_stamp_s_ = pair_stamp_s;
-    return taken;
+    return taken_;
   }
 
   /// What waits goes, and so does what is known of the time.
@@ -60,14 +60,16 @@ class PendingReadings {
   double refusedDifference() const { return difference_s_; }
 
  private:
-  static constexpr std::size_t kMostWaiting = 1 << 14;  // bounds the memory while no pair comes: 16 s at 1 kHz
+  // While no pair comes: 16 s at 1 kHz, then the older half goes.
+  static constexpr std::size_t kMostWaiting = 1 << 14;
 
   struct Waiting {
     double stamp_s;
     Reading reading;
   };
 
-  std::deque<Waiting> waiting_;
+  std::vector<Waiting> waiting_;
+  std::vector<Reading> taken_;  // scratch
   double pair_stamp_s_ = kNaN;  // of the newest pair
   std::uint64_t refused_ = 0;
   double difference_s_ = kNaN;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "flight_corridor/stereo/band_workers.hpp"
+#include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/stereo/census.hpp"
 #include "flight_corridor/stereo/subpixel.hpp"
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -11,21 +13,25 @@ class WindowMatcher {
  public:
   static constexpr int kReach_px = 2;  ///< Of a window, from its centre.
 
-  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.
-  WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows);
+  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.  @param memory for scratch.
+  WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows,
+                std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   /// Normalised cross-correlation by disparity.
   /// @param first_px, last_px disparities, principal-point difference included.
   /// @param out refilled, from the largest disparity downwards; those whose window is not whole on both images are left
   /// out.
   /// @return the largest disparity in out.
-  int correlations(int u, int v, int first_px, int last_px, std::vector<float>& out) const;
+  int correlations(int u, int v, int first_px, int last_px, std::pmr::vector<float>& out) const;
 
  private:
+  void findContrasts();
   float centredWindow(int u, int v, float* window) const;
+  const float* right(int v) const { return &right_[static_cast<std::size_t>(v) * left_.cols]; }
 
   int first_row_;
-  cv::Mat left_, right_, contrast_;
+  cv::Mat left_;
+  std::pmr::vector<float> right_, contrast_;  // the same rows
 };
 
 }  // namespace flight_corridor

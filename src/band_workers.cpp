@@ -1,4 +1,4 @@
-#include "flight_corridor/stereo/band_workers.hpp"
+#include "flight_corridor/band_workers.hpp"
 
 #include <cstddef>
 #include <system_error>
