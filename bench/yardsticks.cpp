@@ -9,8 +9,6 @@
 // window   BLOCKED when the nearest WLS depth in the corridor's window, projected at 4 m, is < D.
 // octomap  the SGBM cloud by insertPointCloud into an empty OctoMap; BLOCKED when a leaf in the corridor's box holds N
 //          points or more.
-#include <octomap/OcTree.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -24,13 +22,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/range_fusion.hpp"
 #include "ros/conversions.hpp"
+#include "stock_octomap.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
 #include "tools/stereo_bag_reader.hpp"
@@ -42,8 +40,7 @@ using tools::ResultRow;
 
 constexpr std::array<double, 9> kDistances_m{2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 8.0};  // D; D_min is 4
 constexpr std::array<int, 8> kPoints{1, 10, 20, 40, 60, 80, 120, 160};                      // N; OctoMap's own is 1
-constexpr int kDisparities_px = 128;
-constexpr double kResolution_m = 0.10, kMaxRange_m = 8.0;
+using bench::kDisparities_px;
 const CorridorConfig kCorridor;
 
 template <typename Work>
@@ -51,10 +48,6 @@ double milliseconds(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-void toPixels(const cv::Mat& fixed, const StereoGeometry& geometry, cv::Mat& disparity_px) {
-  fixed.convertTo(disparity_px, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE, -geometry.principalPointDifference());
 }
 
 /// Filled disparity with the settings of OpenCV's sample disparity_filtering.cpp.
@@ -75,7 +68,7 @@ class FilledDisparity {
     matcher_->compute(left, right, left_fixed_);
     right_matcher_->compute(right, left, right_fixed_);
     filter_->filter(left_fixed_, left, filled_fixed_, right_fixed_);
-    toPixels(filled_fixed_, geometry, disparity_px);
+    bench::toPixels(filled_fixed_, geometry, disparity_px);
   }
 
  private:
@@ -84,11 +77,6 @@ class FilledDisparity {
   cv::Ptr<cv::ximgproc::DisparityWLSFilter> filter_;
   cv::Mat left_fixed_, right_fixed_, filled_fixed_;
 };
-
-/// The matcher of stereo_image_proc with its defaults, but for the search range.
-cv::Ptr<cv::StereoSGBM> stockMatcher() {
-  return cv::StereoSGBM::create(0, kDisparities_px, 15, 200, 400, 0, 31, 15, 100, 4, cv::StereoSGBM::MODE_SGBM);
-}
 
 /// The corridor's face at D_min on the left image: the paper's window.
 cv::Rect window(const StereoGeometry& geometry) {
@@ -152,8 +140,6 @@ class Yardsticks {
   }
 
  private:
-  using PointCounts = std::unordered_map<octomap::OcTreeKey, int, octomap::OcTreeKey::KeyHash>;
-
   void judgePaper(const ros::Time& stamp, double filled_ms) {
     double fused_m = kNaN;
     const double own_ms = milliseconds([&] {
@@ -183,51 +169,12 @@ class Yardsticks {
   }
 
   void judgeOctomap(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right) {
-    octomap::Pointcloud cloud;
-    octomap::OcTree tree(kResolution_m);
-    const double total_ms = milliseconds([&] {
-      matcher_->compute(left, right, fixed_);
-      toPixels(fixed_, geometry_, disparity_px_);
-      makeCloud(cloud);
-      tree.insertPointCloud(cloud, {0, 0, 0}, kMaxRange_m);
-    });
-    const PointCounts counts = countPoints(cloud, tree);
+    const double total_ms = milliseconds([&] { octomap_.insert(left, right); });
     for (const int enough : kPoints) {
-      const double clear_m = clearDistance(tree, counts, enough);
-      const State state = cloud.size() == 0 ? State::Unknown : nearer(clear_m, kCorridor.length_m);
+      const double clear_m = octomap_.clearDistance(box_, enough);
+      const State state = octomap_.empty() ? State::Unknown : nearer(clear_m, kCorridor.length_m);
       tables_[fileName("octomap", enough, 0)].push_back(row(stamp, state, clear_m, total_ms));
     }
-  }
-
-  void makeCloud(octomap::Pointcloud& cloud) const {
-    for (int v = 0; v < disparity_px_.rows; ++v) {
-      for (int u = 0; u < disparity_px_.cols; ++u) {
-        const double depth_m = geometry_.depth(disparity_px_.at<float>(v, u));  // NaN where nothing matched
-        if (std::isnan(depth_m)) continue;
-        const Eigen::Vector3f point = geometry_.point(u, v, depth_m).cast<float>();
-        cloud.push_back(point.x(), point.y(), point.z());
-      }
-    }
-  }
-
-  static PointCounts countPoints(const octomap::Pointcloud& cloud, const octomap::OcTree& tree) {
-    PointCounts counts;
-    for (const octomap::point3d& point : cloud) ++counts[tree.coordToKey(point)];
-    return counts;
-  }
-
-  /// To the nearest occupied leaf in the box that holds enough points; +inf when there is none.
-  double clearDistance(const octomap::OcTree& tree, const PointCounts& counts, int enough) const {
-    double nearest_m = kInfinity;
-    for (const auto& [key, count] : counts) {
-      if (count < enough) continue;
-      const octomap::point3d centre = tree.keyToCoord(key);
-      const octomap::OcTreeNode* leaf = tree.search(key);
-      if (!leaf || !tree.isNodeOccupied(leaf)) continue;
-      if (!intersects(box_, {centre.x(), centre.y(), centre.z()}, kResolution_m)) continue;
-      nearest_m = std::min(nearest_m, std::max(0.0, centre.z() - kResolution_m / 2));
-    }
-    return nearest_m;
   }
 
   inline static const FusionConfig kFusion = paperFusion();
@@ -235,9 +182,9 @@ class Yardsticks {
   cv::Rect window_;
   Box box_ = Corridor(kCorridor).box(opticalFromForward());
   FilledDisparity filled_;
-  cv::Ptr<cv::StereoSGBM> matcher_ = stockMatcher();
+  bench::StockOctomap octomap_{geometry_};
   RangeFusion fusion_{kFusion};
-  cv::Mat fixed_, disparity_px_;
+  cv::Mat disparity_px_;
   std::map<std::string, std::vector<ResultRow>> tables_;
 };
 

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "flight_corridor/corridor/railing.hpp"
 #include "flight_corridor/geometry/cross_sections.hpp"
@@ -54,6 +55,16 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   throw std::invalid_argument(text.str());
 }
 
+/// Repeated matches that are where the LiDAR met the pattern, to a pixel, are no longer in question.
+/// @param met_px corrected disparity of what it met; NaN: nothing.
+void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
+  if (std::isnan(met_px)) return;
+  float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
+  for (std::size_t i = 0; i < disparity.best_px.total(); ++i) {
+    if (std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0) std::swap(best_px[i], repeated_px[i]);
+  }
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig)
@@ -89,6 +100,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
+    confirmRepeated(geometry_.disparity(toldDepth(boxInCamera())), scale(), disparity_);
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);

@@ -46,6 +46,28 @@ TEST(EvidenceMatcher, TakesThePrincipalPointDifferenceOff) {
   }
 }
 
+TEST(EvidenceMatcher, SaysOfWhichMatchesAPatternHasAPlaceFartherAway) {
+  constexpr int kPeriod_px = 12, kTruth_px = 21;
+  StereoFrame frame = shifted(kTruth_px);
+  for (cv::Mat* image : {&frame.left, &frame.right}) {
+    const int shift_px = image == &frame.left ? 0 : kTruth_px;
+    *image = image->clone();
+    for (int v = 40; v < kSize.height; ++v) {
+      for (int u = 0; u < kSize.width; ++u) {
+        image->at<std::uint8_t>(v, u) = (u + shift_px) % kPeriod_px < kPeriod_px / 2 ? 40 : 200;
+      }
+    }
+  }
+  EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
+  DisparityEvidence evidence;
+  matcher.match(frame, evidence);
+  const cv::Rect noise(70, 5, 80, 25), stripes(70, 50, 80, 30);
+  const auto share = [](const cv::Mat& map) { return cv::countNonZero(map == map) / static_cast<double>(map.total()); };
+  EXPECT_GT(share(evidence.best_px(noise)), 0.9);
+  EXPECT_EQ(share(evidence.repeated_px(noise)), 0.0);
+  EXPECT_EQ(share(evidence.best_px(stripes)), 0.0);
+}
+
 TEST(EvidenceMatcher, HasNoMatchBehindInfinity) {
   EvidenceMatcher matcher(geometry(0.0), kDisparities, 1);
   DisparityEvidence evidence;

@@ -87,6 +87,35 @@ TEST(Doubt, PixelsOfDifferentDisparitiesOrApartAreNoPatch) {
   EXPECT_FALSE(isIn(evidence)) << "every second pixel";
 }
 
+/// Pixels matched in the box of which a pattern has other places, too.
+void repeat(const cv::Rect& pixels, float farthest_px, DisparityEvidence& evidence) {
+  addToSet(pixels, kInTheBox_px, evidence);
+  evidence.best_px(pixels).setTo(NAN);
+  evidence.repeated_px(pixels).setTo(kInTheBox_px);
+  evidence.competitor_farthest_px(pixels).setTo(farthest_px);
+  evidence.competitor_nearest_px(pixels).setTo(farthest_px);
+  evidence.flags(pixels).setTo(kConsistent | kDistinct | kCompetitor);
+}
+
+TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
+  for (const bool is_told : {false, true}) {
+    DisparityEvidence evidence = wall();
+    repeat(smallest(), 4.0f, evidence);
+    EXPECT_TRUE(isIn(evidence, is_told));
+    evidence = wall();
+    repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4.0f, evidence);
+    EXPECT_FALSE(isIn(evidence, is_told)) << "a smaller patch, which may be behind";
+  }
+}
+
+TEST(Doubt, RepeatedMatchesAllOfWhosePlacesAreInTheBoxNeedNotTouch) {
+  DisparityEvidence evidence = wall();
+  for (int i = 0; i < smallest().area(); ++i) {
+    repeat({kMiddle + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px - 1.0f, evidence);
+  }
+  EXPECT_TRUE(isIn(evidence));
+}
+
 TEST(Doubt, ASlantedLineIsAPatch) {
   DisparityEvidence evidence = wall();
   for (int i = 0; i < smallest().area(); ++i) {

@@ -69,6 +69,26 @@ TEST(RangeFusionFaults, InLastingDisagreementTheNearerSensorRules) {
   }
 }
 
+TEST(RangeFusionFaults, WhatIsTheSameInAllReadingsCountsBetweenTheSensorsAlone) {
+  constexpr double kCommon_1pm = 0.01;  // at 30 m and 22 m: 6.6 m
+  for (const bool is_known : {true, false}) {
+    RangeFusion fusion((FusionConfig()));
+    for (int i = 0; i < 100; ++i) {
+      if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i, 22.0, kStereoVariance_m2, is_known ? kCommon_1pm : 0.0);
+      if (i >= 30) fusion.add(Sensor::Lidar, 0.01 * i, 29.7 + 0.001 * (i % 2), kLidarVariance_m2);
+    }
+    EXPECT_EQ(fusion.at(1.0).dissent.has_value(), !is_known);
+    EXPECT_NEAR(fusion.at(1.0).range_m, is_known ? 29.7 : 22.0, 0.3) << "d_K is the LiDAR's";
+    EXPECT_EQ(fusion.add(Sensor::Stereo, 1.01, 8.0, kStereoVariance_m2, kCommon_1pm), Outcome::Gated);
+  }
+}
+
+TEST(RangeFusionFaults, ARangeIsNotNegativeWhenASurfaceHasBeenPassed) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 20; ++i) fusion.add(Sensor::Lidar, 0.01 * i, 1.0 - 0.05 * i + 0.05, kLidarVariance_m2);
+  EXPECT_EQ(fusion.at(0.4).range_m, 0.0) << "at 5 m/s";
+}
+
 /// Half a second of a LiDAR that is farther than stereo, which rules.
 void settleFarther(RangeFusion& fusion, double lidar_m, double stereo_m) {
   for (int i = 0; i < 60; ++i) {
