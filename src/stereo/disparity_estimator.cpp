@@ -51,7 +51,7 @@ void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   } else {
     semi_global_->match(frame, out);
   }
-  coherent_.keep(out.best_px);
+  coherent_.keep(out.best_px, out.repeated_px);
   const auto* best_px = out.best_px.ptr<float>();
   const auto matched = std::count_if(best_px, best_px + out.best_px.total(), [](float px) { return px == px; });
   out.matched_fraction = static_cast<double>(matched) / static_cast<double>(out.best_px.total());

@@ -8,26 +8,33 @@
 namespace flight_corridor {
 
 /// Matches that form a patch: neighbours, also across corners, differ by a pixel of disparity at most. A patch smaller
-/// than the smallest obstacle, at its own distance, is a mistake or no obstacle: it is removed. One object, one thread.
+/// than the smallest obstacle, at its own distance, is a mistake or no obstacle: it is removed. A larger one is
+/// repeated or not as a whole, as most of it is. One object, one thread.
 class CoherentMatches {
  public:
   /// @param smallest_obstacle_m edge of a square: patches of less than its area are removed; 0: none is.
   CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m);
 
-  /// @param disparity_px CV_32FC1 of geometry.size(), positive or NaN; what is removed becomes NaN.
-  void keep(cv::Mat& disparity_px);
+  /// @param best_px, repeated_px CV_32FC1 of geometry.size(), positive or NaN, a match in one of the two.
+  void keep(cv::Mat& best_px, cv::Mat& repeated_px);
 
  private:
-  void labelRow(int v, const float* row, const float* above);
+  /// What a patch covers, and how much of that is of repeated matches.
+  struct Area {
+    double all_m2 = 0.0, repeated_m2 = 0.0;
+  };
+
+  void labelRow(int v, const cv::Mat& best_px, const cv::Mat& repeated_px);
   int root(int label);
   void join(int one, int other);
 
   StereoGeometry geometry_;
   cv::Size size_;
   double least_m2_;
-  std::vector<int> labels_;       // a pixel: of its run along the row
-  std::vector<int> parents_;      // a label: itself, or one of the same patch
-  std::vector<double> areas_m2_;  // a label; whole at a root
+  std::vector<int> labels_;               // a pixel: of its run along the row
+  std::vector<int> parents_;              // a label: itself, or one of the same patch
+  std::vector<Area> areas_;               // a label; whole at a root
+  std::vector<float> row_px_, above_px_;  // matches of either kind
 };
 
 }  // namespace flight_corridor
