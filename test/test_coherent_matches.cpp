@@ -19,7 +19,8 @@ cv::Mat nothing() { return {kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)}; }
 int matches(const cv::Mat& disparity_px) { return cv::countNonZero(disparity_px > 0.0); }
 
 int kept(cv::Mat disparity_px, double smallest_m = kSmallest_m) {
-  CoherentMatches(kGeometry, smallest_m).keep(disparity_px);
+  cv::Mat repeated_px = nothing();
+  CoherentMatches(kGeometry, smallest_m).keep(disparity_px, repeated_px);
   return matches(disparity_px);
 }
 
@@ -46,6 +47,19 @@ TEST(CoherentMatches, NeighboursDifferByAPixelAtMost) {
     cv::Mat disparity = nothing();  // each column alone is too small
     for (int u = 0; u < 10; ++u) disparity(cv::Rect(50 + u, 20, 1, rows)).setTo(12.0 + step_px * (u % 2));
     EXPECT_EQ(kept(disparity), step_px > 1.0 ? 0 : 10 * rows);
+  }
+}
+
+TEST(CoherentMatches, APatchMostOfWhichIsRepeatedIsRepeatedAsAWhole) {
+  for (const int repeated_rows : {40, 60}) {
+    cv::Mat best = nothing(), repeated = nothing();
+    best(cv::Rect(50, 20, 30, 100)).setTo(12.0);
+    const cv::Rect rows(50, 20, 30, repeated_rows);
+    best(rows).copyTo(repeated(rows));
+    best(rows).setTo(kNaN);
+    CoherentMatches(kGeometry, kSmallest_m).keep(best, repeated);
+    EXPECT_EQ(matches(best), repeated_rows > 50 ? 0 : 30 * (100 - repeated_rows));
+    EXPECT_EQ(matches(repeated), 30 * (repeated_rows > 50 ? 100 : repeated_rows));
   }
 }
 
@@ -110,7 +124,8 @@ TEST(CoherentMatches, RandomImagesAreAsFloodingSays) {
       *pixel = unit(random) < 0.3f ? NAN : level(random);
     }
     const cv::Mat expected = flooded(disparity_px);
-    CoherentMatches(kGeometry, kSmallest_m).keep(disparity_px);
+    cv::Mat repeated_px = nothing();
+    CoherentMatches(kGeometry, kSmallest_m).keep(disparity_px, repeated_px);
     EXPECT_EQ(cv::countNonZero((disparity_px > 0.0) != (expected > 0.0)), 0) << trial;
   }
 }

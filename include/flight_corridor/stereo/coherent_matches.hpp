@@ -8,11 +8,11 @@
 namespace flight_corridor {
 
 /// Matches that form a patch: neighbours, also across corners, differ by a pixel of disparity at most. A patch smaller
-/// than the smallest obstacle, at its own distance, is a mistake or no obstacle: it is removed. A larger one is
-/// repeated or not as a whole, as most of it is. One object, one thread.
+/// than the smallest obstacle, at its own distance, is a mistake or no obstacle: it is removed. One most of
+/// which is repeated is repeated as a whole. One object, one thread.
 class CoherentMatches {
  public:
-  /// @param smallest_obstacle_m edge of a square: patches of less than its area are removed; 0: none is.
+  /// @param smallest_obstacle_m edge of a square: patches with less than its area of best matches lose these; 0: none.
   CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m);
 
   /// @param best_px, repeated_px CV_32FC1 of geometry.size(), positive or NaN, a match in one of the two.
