@@ -263,6 +263,18 @@ std::optional<double> Pipeline::beamEndInBox() const {
   return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
 }
 
+void Pipeline::setCorridor(const CorridorConfig& corridor) {
+  Config changed = config_;
+  changed.corridor = corridor;
+  throwIfBroken(check(changed));
+  requireSight(corridor, geometry_, nearestDepth());
+  config_ = changed;
+  corridor_ = Corridor(corridor);
+  recent_block_.setHold(corridor.hold_s);
+  disparity_estimator_.setSmallestObstacle(corridor.smallest_obstacle_m);
+  doubt_.setSmallestObstacle(corridor.smallest_obstacle_m);
+}
+
 void Pipeline::takeOver(const Pipeline& before) {
   images_ = before.images_;
   recent_block_.takeOver(before.recent_block_);

@@ -83,6 +83,10 @@ class Pipeline {
   /// From now on the corridor points along +x of F.
   void pointAlong(const Eigen::Isometry3d& T_C_F) { rig_.T_C_F = T_C_F; }
 
+  /// From now on this corridor is judged; map, ranges and scale stay.
+  /// @throws std::invalid_argument as the constructor does; then nothing has changed.
+  void setCorridor(const CorridorConfig& corridor);
+
   /// Remembers of another rig's pipeline what does not depend on the rig: the newest images, and when something
   /// blocked.
   void takeOver(const Pipeline& before);

@@ -3,12 +3,15 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <future>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/range/pending_readings.hpp"
@@ -61,5 +64,17 @@ class Inbox {
   flight_corridor::PendingReadings<sensor_msgs::ImuConstPtr> imu_;
   std::vector<std::string> range_frames_;
 };
+
+/// Does work in the thread of the inbox's taker and waits for its result.
+/// @throws what the work throws; std::runtime_error when the taker hangs or has ended.
+template <typename Work>
+auto inTakersThread(Inbox& inbox, Work work) {
+  constexpr std::chrono::seconds kPatience(5);  // no pair takes so long: the taker hangs
+  std::packaged_task<decltype(work())()> task(std::move(work));
+  auto result = task.get_future();
+  inbox.put(Inbox::Errand(std::move(task)));
+  if (result.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("the node is stuck");
+  return result.get();
+}
 
 }  // namespace flight_corridor_ros

@@ -27,13 +27,16 @@ const char* ageRemedy() {
 
 Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : config_(makeConfig(readParameters(private_node))),
+      max_age_s_(config_.core.corridor.max_age_s),
+      watchdog_s_(config_.ros.watchdog_s),
       publishers_(private_node, config_.core),
       transforms_(node),
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
       answered_s_(steadySeconds()),
       services_(private_node, transforms_, inbox_, processor_,
-                [this](const ros::Time& stamp) { return silence() <= config_.ros.watchdog_s && isFresh(stamp); }),
+                [this](const ros::Time& stamp) { return silence() <= watchdog_s_ && isFresh(stamp); }),
+      reconfigure_(private_node, config_, inbox_, [this](const NodeConfig& config) { configure(config); }),
       stereo_(node, config_.ros, [this](const StereoMessages& pair) { receive(pair); }),
       range_(ros::NodeHandle(node).subscribe<sensor_msgs::Range>(
           "range", kReadingQueue, [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
@@ -51,6 +54,14 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
 Node::~Node() {
   inbox_.close();
   worker_.join();
+}
+
+/// What may change in flight, in the worker's thread.
+void Node::configure(const NodeConfig& config) {
+  processor_.setCorridor(config.core.corridor);  // may refuse
+  publishers_.setCorridor(config.core.corridor);
+  max_age_s_ = config.core.corridor.max_age_s;
+  watchdog_s_ = config.ros.watchdog_s;
 }
 
 void Node::receive(const StereoMessages& pair) {
@@ -98,10 +109,11 @@ void Node::publish(const std_msgs::Header& header, const Report& report) {
 /// Also stamps from the future are no fresh data: clocks that differ would hide how old it is.
 bool Node::isFresh(const ros::Time& stamp) {
   const double age_s = ros::Time::now().toSec() - stamp.toSec();
-  if (std::abs(age_s) <= config_.core.corridor.max_age_s) return true;
+  const double max_age_s = max_age_s_;
+  if (std::abs(age_s) <= max_age_s) return true;
   if (age_warning_.due()) {
     ROS_WARN("stereo pair is %.3f s old, outside +-%.3f s (corridor/max_age_s): UNKNOWN. %s", age_s,
-             config_.core.corridor.max_age_s, ageRemedy());
+             max_age_s, ageRemedy());
   }
   return false;
 }
@@ -111,7 +123,7 @@ double Node::silence() const { return steadySeconds() - answered_s_; }
 
 void Node::guard() {
   const double silent_s = silence();
-  if (silent_s <= config_.ros.watchdog_s) return;
+  if (silent_s <= watchdog_s_) return;
   std_msgs::Header header;
   header.stamp = ros::Time::now();
   {

@@ -15,6 +15,7 @@
 #include "ros/params.hpp"
 #include "ros/processor.hpp"
 #include "ros/publishers.hpp"
+#include "ros/reconfigure.hpp"
 #include "ros/services.hpp"
 #include "ros/stereo_subscriber.hpp"
 #include "ros/transforms.hpp"
@@ -39,8 +40,10 @@ class Node {
   bool isFresh(const ros::Time& stamp);
   double silence() const;
   void guard();
+  void configure(const NodeConfig& config);
 
-  const NodeConfig config_;
+  const NodeConfig config_;                     // at the start
+  std::atomic<double> max_age_s_, watchdog_s_;  // effective
   Publishers publishers_;
   Transforms transforms_;
   Inbox inbox_;
@@ -53,6 +56,7 @@ class Node {
   std::atomic<double> answered_s_;
 
   Services services_;
+  Reconfigure reconfigure_;
   StereoSubscriber stereo_;
   ros::Subscriber range_, imu_;
   Heartbeat watchdog_;

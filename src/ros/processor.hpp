@@ -41,6 +41,10 @@ class Processor {
   /// Makes a box of the map unknown, in the map's frame.
   void clear(const Eigen::AlignedBox3d& box_M);
 
+  /// From now on this corridor is judged; what was seen is kept.
+  /// @throws std::invalid_argument naming what the rig cannot see; then nothing has changed.
+  void setCorridor(const flight_corridor::CorridorConfig& corridor) { rig_.setCorridor(corridor); }
+
   /// Holds the last pair's products; null when that pair was refused and has none.
   flight_corridor::Pipeline* products() { return has_products_ ? pipeline() : nullptr; }
   /// Of the present rig; null before its first pair.

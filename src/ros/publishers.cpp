@@ -22,10 +22,18 @@ namespace flight_corridor_ros {
 using flight_corridor::Pipeline;
 using flight_corridor::Report;
 
+namespace {
+
+Eigen::Vector3d sizeOf(const flight_corridor::CorridorConfig& corridor) {
+  return flight_corridor::Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m;
+}
+
+}  // namespace
+
 Publishers::Publishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config)
     : map_frame_(config.map.frame_id),
       T_M_G_(map_frame_.empty() ? flight_corridor::opticalFromForward() : Eigen::Isometry3d::Identity()),
-      box_size_m_(flight_corridor::Corridor(config.corridor).box(Eigen::Isometry3d::Identity()).size_m),
+      box_size_m_(sizeOf(config.corridor)),
       marker_lifetime_s_(config.corridor.max_age_s) {
   ros::NodeHandle node(private_node);
   const auto advertise = [this, &node](const std::string& topic, auto message) {
@@ -56,9 +64,18 @@ void Publishers::publish(const std::string& topic, Make make) {
   if (publisher.getNumSubscribers() > 0) publisher.publish(make());
 }
 
+void Publishers::setCorridor(const flight_corridor::CorridorConfig& corridor) {
+  const std::lock_guard<std::mutex> lock(corridor_mutex_);
+  box_size_m_ = sizeOf(corridor);
+  marker_lifetime_s_ = corridor.max_age_s;
+}
+
 void Publishers::publishVerdict(const std_msgs::Header& header, const Report& report) {
   const double latency_s = ros::Time::now().toSec() - header.stamp.toSec();
-  publish("corridor", [&] { return toMessage(header, report, box_size_m_, latency_s); });
+  publish("corridor", [&] {
+    const std::lock_guard<std::mutex> lock(corridor_mutex_);
+    return toMessage(header, report, box_size_m_, latency_s);
+  });
   publish("free", [&] {
     std_msgs::Bool free;
     free.data = report.verdict.state == flight_corridor::State::Free;

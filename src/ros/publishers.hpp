@@ -4,7 +4,9 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Range.h>
 
+#include <atomic>
 #include <map>
+#include <mutex>
 #include <string>
 
 #include "flight_corridor/pipeline.hpp"
@@ -16,6 +18,9 @@ namespace flight_corridor_ros {
 class Publishers {
  public:
   Publishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config);
+
+  /// From now on this corridor is what is published of. Any thread.
+  void setCorridor(const flight_corridor::CorridorConfig& corridor);
 
   /// ~corridor and ~free.  @param header the left image's. Any thread.
   void publishVerdict(const std_msgs::Header& header, const flight_corridor::Report& report);
@@ -43,8 +48,9 @@ class Publishers {
 
   std::string map_frame_;
   Eigen::Isometry3d T_M_G_;  // z up in the map's frame
+  std::mutex corridor_mutex_;
   Eigen::Vector3d box_size_m_;
-  double marker_lifetime_s_;
+  std::atomic<double> marker_lifetime_s_;
   Throttle projection_warning_;
   std::map<std::string, ros::Publisher> publishers_;
   cv::Mat overlay_;

@@ -71,6 +71,11 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   }
 }
 
+void RigPipeline::setCorridor(const flight_corridor::CorridorConfig& corridor) {
+  if (is_fit_) pipeline_->setCorridor(corridor);
+  config_.corridor = corridor;
+}
+
 void RigPipeline::reset() {
   camera_frame_.clear();
   lidar_frame_.clear();

@@ -34,6 +34,10 @@ class RigPipeline {
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
   explicit operator bool() const { return is_fit_; }
 
+  /// From now on this corridor is judged, see Pipeline::setCorridor().
+  /// @throws std::invalid_argument naming what the rig cannot see; then nothing has changed.
+  void setCorridor(const flight_corridor::CorridorConfig& corridor);
+
   /// Forgets everything, the LiDAR's frame too.
   void reset();
 

@@ -1,7 +1,5 @@
 #include "ros/services.hpp"
 
-#include <chrono>
-#include <future>
 #include <stdexcept>
 #include <utility>
 
@@ -16,20 +14,7 @@ using flight_corridor::QueryCorridor;
 using flight_corridor::QueryCorridorRequest;
 using flight_corridor::QueryCorridorResponse;
 
-constexpr std::chrono::seconds kPatience(5);  // no pair takes so long: the taker hangs
-
 Eigen::Vector3d sizeOf(const QueryCorridorRequest& request) { return {request.length, request.width, request.height}; }
-
-/// Does work in the thread of the inbox's taker and waits for its result.
-/// @throws what the work throws; std::runtime_error when the taker hangs or has ended.
-template <typename Work>
-auto inTakersThread(Inbox& inbox, Work work) {
-  std::packaged_task<decltype(work())()> task(std::move(work));
-  auto result = task.get_future();
-  inbox.put(Inbox::Errand(std::move(task)));
-  if (result.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("the node is stuck");
-  return result.get();
-}
 
 }  // namespace
 

@@ -97,6 +97,12 @@ void flatten(XmlRpc::XmlRpcValue& node, const std::string& key, Values& values) 
   for (auto& child : node) flatten(child.second, joined(key, child.first), values);
 }
 
+template <typename T>
+void write(const ros::NodeHandle& private_node, const std::string& key, const T& value) {
+  private_node.setParam(key, value);
+}
+void write(const ros::NodeHandle&, const std::string&, std::monostate) {}
+
 }  // namespace
 
 std::string describe(const Value& value) { return std::visit(Describe{}, value); }
@@ -120,6 +126,12 @@ Values readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   if (private_node.getParam(private_node.getNamespace(), tree)) flatten(tree, "", values);
   return values;
+}
+
+void writeParameters(const ros::NodeHandle& private_node, const Values& values) {
+  for (const auto& [key, value] : values) {
+    std::visit([&, &key = key](const auto& plain) { write(private_node, key, plain); }, value);
+  }
 }
 
 void setParameter(Values& values, const std::string& key_and_value) try {

@@ -21,6 +21,9 @@ Values readYaml(const std::string& path);
 /// Every parameter of a private namespace on the parameter server.
 Values readParameters(const ros::NodeHandle& private_node);
 
+/// Writes parameters to a private namespace on the parameter server.
+void writeParameters(const ros::NodeHandle& private_node, const Values& values);
+
 /// Sets one parameter from "key=value", the value as in YAML.
 /// @throws std::invalid_argument when there is no key or the value is no YAML.
 void setParameter(Values& values, const std::string& key_and_value);

@@ -20,6 +20,8 @@ class Doubt {
   /// @param smallest_obstacle_m edge of a square: a patch of its area is doubt enough.
   Doubt(const StereoGeometry& geometry, double smallest_obstacle_m);
 
+  void setSmallestObstacle(double edge_m) { smallest_m2_ = edge_m * edge_m; }
+
   /// @param evidence of the pair.  @param correction of its disparities.
   /// @param is_told where a repeated pattern is: then its competitors are none.
   bool isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_told);

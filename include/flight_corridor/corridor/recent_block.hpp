@@ -16,6 +16,9 @@ class RecentBlock {
   /// @param hold_s for so long FREE waits for what may be missed.
   RecentBlock(double hold_s, double cell_m) : hold_s_(hold_s), cell_m_(cell_m) {}
 
+  /// From now on FREE waits for so long.
+  void setHold(double hold_s) { hold_s_ = hold_s; }
+
   /// Something blocks the box. It cannot be missed if the newest image shows it and every cell that is hit in the box
   /// belongs to something large: to a group of cells that touch each other, to what touches these, or to what lies
   /// behind their outline.

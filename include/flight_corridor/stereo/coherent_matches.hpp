@@ -15,6 +15,8 @@ class CoherentMatches {
   /// @param smallest_obstacle_m edge of a square: patches with less than its area of best matches lose these; 0: none.
   CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m);
 
+  void setSmallestObstacle(double edge_m) { least_m2_ = edge_m * edge_m; }
+
   /// @param best_px, repeated_px CV_32FC1 of geometry.size(), positive or NaN, a match in one of the two.
   void keep(cv::Mat& best_px, cv::Mat& repeated_px);
 

@@ -32,6 +32,8 @@ class DisparityEstimator {
   /// @throws std::invalid_argument with every broken rule, or when the image is too narrow for the search.
   DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry, double smallest_obstacle_m);
 
+  void setSmallestObstacle(double edge_m) { coherent_.setSmallestObstacle(edge_m); }
+
   /// @param frame both images CV_8UC1 of geometry.size().
   /// @param out refilled.
   void estimate(const StereoFrame& frame, Disparity& out);
