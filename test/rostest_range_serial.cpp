@@ -1,14 +1,12 @@
-#include <diagnostic_msgs/DiagnosticArray.h>
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
-#include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/Range.h>
 
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -17,6 +15,7 @@
 
 #include "support/child_process.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/range_serial_listener.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wire.hpp"
 
@@ -25,57 +24,12 @@ namespace {
 namespace serial = flight_corridor::serial;
 using flight_corridor::test_support::ChildProcess;
 using flight_corridor::test_support::PseudoTerminal;
+using flight_corridor_ros::test_support::RangeSerialListener;
 using serial::Protocol;
 using serial::test_support::wireBytes;
 
 constexpr double kPatience_s = 30.0;  // a loaded machine may need seconds for a first answer
 constexpr double kShutdown_s = 10.0;
-
-/// What /diagnostics says of a node.
-struct Status {
-  int level = -1;
-  std::string summary;
-  std::map<std::string, std::string> values;
-
-  double number(const std::string& key) const {
-    const auto found = values.find(key);
-    return found == values.end() ? std::numeric_limits<double>::quiet_NaN() : std::stod(found->second);
-  }
-};
-
-/// Listens to one range_serial.
-class Listener {
- public:
-  explicit Listener(const std::string& name) : name_(name) {
-    ranges_ = node_.subscribe<sensor_msgs::Range>("/" + name + "/range", 10000, [this](const auto& message) {
-      ranges.push_back(*message);
-      arrivals.push_back(ros::Time::now());
-    });
-    diagnostics_ = node_.subscribe<diagnostic_msgs::DiagnosticArray>("/diagnostics", 100,
-                                                                     [this](const auto& message) { take(*message); });
-    log_ = node_.subscribe<rosgraph_msgs::Log>("/rosout", 1000, [this](const auto& message) {
-      if (message->name == "/" + name_ && message->level >= rosgraph_msgs::Log::WARN) warnings.push_back(message->msg);
-    });
-  }
-
-  std::vector<sensor_msgs::Range> ranges;
-  std::vector<ros::Time> arrivals;  // of them here
-  std::vector<std::string> warnings;
-  Status status;  // the newest
-
- private:
-  void take(const diagnostic_msgs::DiagnosticArray& message) {
-    for (const auto& told : message.status) {
-      if (told.name.find(name_ + ":") == std::string::npos) continue;
-      status = {told.level, told.message, {}};
-      for (const auto& value : told.values) status.values[value.key] = value.value;
-    }
-  }
-
-  std::string name_;
-  ros::NodeHandle node_;
-  ros::Subscriber ranges_, diagnostics_, log_;
-};
 
 class RangeSerialNode : public testing::TestWithParam<Protocol> {
  protected:
@@ -85,7 +39,7 @@ class RangeSerialNode : public testing::TestWithParam<Protocol> {
   void start(Parameters parameters = {}) {
     static int count = 0;
     const std::string name = std::string("under_test_") + std::to_string(++count);
-    listener_ = std::make_unique<Listener>(name);
+    listener_ = std::make_unique<RangeSerialListener>(name);
     parameters.insert(parameters.begin(), {RANGE_SERIAL_PROGRAM, "__name:=" + name, "range:=/" + name + "/range",
                                            "_port:=" + link_, std::string("_protocol:=") + toString(GetParam())});
     node_ = std::make_unique<ChildProcess>(parameters, folder_.path("output"));
@@ -129,7 +83,7 @@ class RangeSerialNode : public testing::TestWithParam<Protocol> {
   flight_corridor::test_support::TemporaryFolder folder_;
   const std::string link_ = folder_.path("lidar");
   std::optional<PseudoTerminal> sensor_;
-  std::unique_ptr<Listener> listener_;
+  std::unique_ptr<RangeSerialListener> listener_;
   std::unique_ptr<ChildProcess> node_;
 };
 INSTANTIATE_TEST_SUITE_P(EveryProtocol, RangeSerialNode, testing::ValuesIn(serial::kProtocols),
@@ -278,8 +232,11 @@ TEST_P(RangeSerialNode, AWrongParameterStopsItWithItsName) {
   }
 }
 
-TEST_P(RangeSerialNode, ASensorThatWaitsToBeAskedIsAsked) {
-  if (serial::requestOf(GetParam()).empty()) GTEST_SKIP() << "speaks by itself";
+/// Of the protocols in which a sensor may wait to be asked.
+class AskingRangeSerialNode : public RangeSerialNode {};
+INSTANTIATE_TEST_SUITE_P(OnDemand, AskingRangeSerialNode, testing::Values(Protocol::Lightware));
+
+TEST_P(AskingRangeSerialNode, ASensorThatWaitsToBeAskedIsAsked) {
   sensor_.emplace(link_);
   start({"_request_hz:=50"});
   int answers = 0;
@@ -296,7 +253,7 @@ TEST_P(RangeSerialNode, ASensorThatWaitsToBeAskedIsAsked) {
 }
 
 TEST(RangeSerialLaunch, TheLaunchFilesNodeWaitsForItsPort) {
-  Listener listener("launched");
+  RangeSerialListener listener("launched");
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kPatience_s);
   while (listener.status.level < 0 && ros::WallTime::now() < deadline) {
     ros::WallDuration(0.05).sleep();

@@ -54,6 +54,7 @@ void RangeSerial::openWhenDue() {
   diagnostics_.recordPort(trouble_);
   if (!trouble_.empty()) return;
   parser_.restart();
+  if (!opening_info_.due()) return;
   ROS_INFO("%s is open: %s, %d baud", config_.port.c_str(), toString(config_.protocol), config_.baud);
 }
 
@@ -98,6 +99,7 @@ void RangeSerial::noticeLoss() {
   if (port_.isOpen()) return;
   trouble_ = port_.lossReason();
   diagnostics_.recordPort(trouble_);
+  if (!loss_warning_.due()) return;
   ROS_WARN("%s is gone: %s. Tried again every %.1f s", config_.port.c_str(), trouble_.c_str(), kOpening_s);
 }
 

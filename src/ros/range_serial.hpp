@@ -43,7 +43,7 @@ class RangeSerial {
   double next_opening_s_, next_request_s_;  // of a clock that nobody sets
   double heard_s_;                          // the newest reading, or the start
   std::uint64_t heard_bytes_ = 0;           // that had come by then
-  Throttle silence_warning_;
+  Throttle opening_info_, loss_warning_, silence_warning_;
   RangeSerialDiagnostics diagnostics_;
   ros::Publisher publisher_;
 };
