@@ -83,7 +83,8 @@ void Node::answer(const StereoMessages& pair) {
   if (!isFresh(header.stamp)) return refuseOld();
   publish(header, report);
   if (auto* pipeline = processor_.products()) {
-    publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, processor_.lidar());
+    publishers_.publishProducts(*processor_.leftInfo(), header, processor_.left(), *pipeline, report,
+                                processor_.lidar());
   } else {
     publishers_.removeBox(header);
   }
