@@ -1,6 +1,7 @@
 #include "ros/params.hpp"
 
 #include "ros/fields.hpp"
+#include "ros/image_scale.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
@@ -92,9 +93,14 @@ Fields bind(flight_corridor::CorridorConfig& c) {
 }
 
 Fields bind(RosConfig& c) {
-  return {{"approximate_sync", &c.approximate_sync}, {"sync_slop_s", &c.sync_slop_s}, {"sync_queue", &c.sync_queue},
-          {"gravity_frame", &c.gravity_frame},       {"watchdog_s", &c.watchdog_s},   {"tf_timeout_s", &c.tf_timeout_s},
-          {"image_transport", &c.image_transport}};
+  return {{"approximate_sync", &c.approximate_sync},
+          {"sync_slop_s", &c.sync_slop_s},
+          {"sync_queue", &c.sync_queue},
+          {"gravity_frame", &c.gravity_frame},
+          {"watchdog_s", &c.watchdog_s},
+          {"tf_timeout_s", &c.tf_timeout_s},
+          {"image_transport", &c.image_transport},
+          {"scale", &c.scale}};
 }
 
 Fields bind(NodeConfig& config) {
@@ -131,6 +137,7 @@ Violations check(const RosConfig& config) {
   rules.require(0.0 <= config.tf_timeout_s && config.tf_timeout_s <= 10.0, "tf_timeout_s", "0 to 10",
                 config.tf_timeout_s);
   rules.require(!config.image_transport.empty(), "image_transport", "a transport's name", config.image_transport);
+  rules.require(isImageScale(config.scale), "scale", "1, 0.5, 0.25 or 0.125", config.scale);
   return rules.broken();
 }
 

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "ros/conversions.hpp"
+#include "ros/image_scale.hpp"
 #include "ros/memory.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
@@ -117,11 +118,12 @@ void requirePairs(const std::string& path, std::size_t pairs, const std::string&
   std::cerr << "replay: " << path << ": only " << lost << "\n";
 }
 
-/// The image in colour where it has colour.
-cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
+/// The image, in colour where it has colour; shares the message's data where nothing is to be done.
+cv::Mat picture(const sensor_msgs::ImageConstPtr& message, double scale) {
   namespace encodings = sensor_msgs::image_encodings;
-  return encodings::isColor(message->encoding) ? cv_bridge::toCvShare(message, encodings::BGR8)
-                                               : flight_corridor_ros::toGrey(message);
+  const auto image = encodings::isColor(message->encoding) ? cv_bridge::toCvShare(message, encodings::BGR8)
+                                                           : flight_corridor_ros::toGrey(message);
+  return flight_corridor_ros::scaled(image->image, scale);
 }
 
 /// @throws std::runtime_error when an output would overwrite the bag or the configuration that is being read.
@@ -162,7 +164,7 @@ int replay(const CommandLine& options) {
     const ResultRow row = resultRow(answer.messages.header.stamp, answer.report);
     if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
     if (answer.pipeline)
-      pictures.add(rows.size(), picture(answer.messages.left)->image, *answer.pipeline, answer.report);
+      pictures.add(rows.size(), picture(answer.messages.left, config.ros.scale), *answer.pipeline, answer.report);
     if (verdicts) verdicts->add(answer);
     rows.push_back(row);
     progress.advance();
