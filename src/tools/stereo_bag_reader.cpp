@@ -43,11 +43,11 @@ sensor_msgs::ImagePtr readAnyImage(const rosbag::Bag& bag, const rosbag::Message
                                            : read<Image>(bag, message);
 }
 
-template <typename Message>
-boost::shared_ptr<Message> readFirst(const rosbag::Bag& bag, const std::string& topic) {
+/// @throws std::runtime_error when the topic holds none.
+rosbag::MessageInstance first(const rosbag::Bag& bag, const std::string& topic) {
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   if (view.size() == 0) failMissing(bag, "no message of topic " + topic);
-  return read<Message>(bag, *view.begin());
+  return *view.begin();
 }
 
 }  // namespace
@@ -161,14 +161,8 @@ StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& to
   readTransforms();
 }
 
-sensor_msgs::ImagePtr StereoBagReader::firstLeftImage() const {
-  rosbag::View view(bag_, rosbag::TopicQuery(topics_.left));
-  if (view.size() == 0) failMissing(bag_, "no message of topic " + topics_.left);
-  return readAnyImage(bag_, *view.begin());
-}
-
 void StereoBagReader::readCalibrationFiles() {
-  const sensor_msgs::ImagePtr image = firstLeftImage();
+  const sensor_msgs::ImagePtr image = readAnyImage(bag_, first(bag_, topics_.left));
   if (image->data.empty()) failDamaged(bag_.getFileName(), "topic " + topics_.left + ": the first image is empty");
   const bool is_colour = sensor_msgs::image_encodings::isColor(image->encoding);
   const cv::Size size(static_cast<int>(image->width), static_cast<int>(image->height));
@@ -181,13 +175,10 @@ void StereoBagReader::readCalibrationFiles() {
   rectification_.cameras = rectification_.is_raw ? cameras : rectified(cameras);
 }
 
-StereoCameras StereoBagReader::firstCameraInfos() const {
-  return {*readFirst<CameraInfo>(bag_, topics_.left_info), *readFirst<CameraInfo>(bag_, topics_.right_info)};
-}
-
 void StereoBagReader::readCameraInfos() {
   if (!mayBeRaw(reading_.images, topics_.left)) return;
-  const StereoCameras cameras = firstCameraInfos();
+  const StereoCameras cameras{*read<CameraInfo>(bag_, first(bag_, topics_.left_info)),
+                              *read<CameraInfo>(bag_, first(bag_, topics_.right_info))};
   rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
   if (!rectification_.is_raw) return;
   try {
@@ -262,7 +253,8 @@ void StereoBagReader::requireImu() const { requireTopic(topics_.imu, typeOf<sens
 /// Of the LiDAR, told by hand.
 geometry_msgs::TransformStamped StereoBagReader::mounting() const {
   geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
-  const std::string frame = flight_corridor_ros::withoutSlash(firstLeftImage()->header.frame_id);
+  const std::string frame =
+      flight_corridor_ros::withoutSlash(readAnyImage(bag_, first(bag_, topics_.left))->header.frame_id);
   mounting.header.frame_id = frame.empty() ? kCameraFrame : frame;
   mounting.header.stamp = rosbag::View(bag_).getBeginTime();
   mounting.child_frame_id = kLidarFrame;

@@ -93,8 +93,6 @@ class StereoBagReader {
   class PairBuilder;
 
   bool has(const std::string& topic) const;
-  sensor_msgs::ImagePtr firstLeftImage() const;
-  StereoCameras firstCameraInfos() const;
   void readCalibrationFiles();
   void readCameraInfos();
   geometry_msgs::TransformStamped mounting() const;

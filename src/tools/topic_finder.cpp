@@ -70,7 +70,7 @@ std::vector<std::string> partnersOf(const std::string& left) {
     ++all[at];
     partners.push_back(partner);
   }
-  partners.push_back(all);  // /cam0/image0
+  if (all != left) partners.push_back(all);  // /cam0/image0
   return partners;
 }
 
