@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <sstream>
 #include <stdexcept>
 
 #include "ros/conversions.hpp"
@@ -239,7 +240,9 @@ class RealCalibrationTest : public RectifiedCalibrationTest {
     }
   }
 
-  const fs::path data = fs::path(FLIGHT_CORRIDOR_SOURCE_DIR) / ".." / "shared" / "data";
+  // A workspace holds links to the repository's folders.
+  const fs::path repository = fs::canonical(fs::path(FLIGHT_CORRIDOR_SOURCE_DIR) / "src").parent_path();
+  const fs::path data = repository / ".." / "shared" / "data";
 };
 
 TEST_F(RealCalibrationTest, OfMiddleburyAgrees) {

@@ -2,7 +2,9 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/CameraInfo.h>
 
+#include <cmath>
 #include <fstream>
+#include <tuple>
 
 #include "ros/conversions.hpp"
 #include "support/raw_rig.hpp"
@@ -105,9 +107,13 @@ TEST_F(RawBagTest, ImagesThatAreNamedOrToldRectifiedStayAsTheyAre) {
 
 TEST_F(RawBagTest, ALensThatIsNotKnownIsNamedAtTheStart) {
   writeWall(kDisparity_px);
-  RawRig raw = test_support::makeRawRig(rig.calibration, false);
-  raw.cameras.left.distortion_model = "magnifier";
-  makeRaw(raw, "image_raw", "", true);
+  makeRaw(test_support::makeRawRig(rig.calibration, false), "image_raw", "", true);
+  test_support::rewriteBag(path(), [&](const rosbag::MessageInstance& message, rosbag::Bag& out) {
+    const auto info = message.instantiate<sensor_msgs::CameraInfo>();
+    if (!info) return test_support::copyMessage(message, out);
+    info->distortion_model = "magnifier";
+    out.write(message.getTopic(), message.getTime(), *info);
+  });
   try {
     lastReport({});
     FAIL() << "accepted";

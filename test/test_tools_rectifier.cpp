@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
