@@ -14,8 +14,8 @@ struct ImageFormat {
   bool is_colour = false;  ///< KITTI's grey and colour pairs have calibrations of their own.
 };
 
-/// Reads a pair's calibration from one file, or from two: left, right. Its kind is told by what is in it; the header of
-/// calibration_kinds has them. Baselines of Middlebury and ZED files are in millimetres, all others in metres.
+/// Reads a pair's calibration from one file, or from two: left, right. What is in it tells its kind; calibrationKinds()
+/// lists those that are read. Baselines of Middlebury and ZED files are in millimetres, all others in metres.
 /// @throws std::runtime_error naming the files and every key that is missing or no number, what is impossible, and,
 /// where a file of another kind is recognised, which, and how its numbers are converted.
 StereoCameras readCalibration(const std::vector<std::string>& paths, const ImageFormat& images);
