@@ -60,7 +60,8 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
 void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
   if (std::isnan(met_px)) return;
   float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
-  for (std::size_t i = 0; i < disparity.best_px.total(); ++i) {
+  const std::size_t pixels = disparity.best_px.total();
+  for (std::size_t i = 0; i < pixels; ++i) {
     if (std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0) std::swap(best_px[i], repeated_px[i]);
   }
 }

@@ -20,8 +20,9 @@ int matches(const cv::Mat& disparity_px) { return cv::countNonZero(disparity_px 
 
 int kept(cv::Mat disparity_px, double smallest_m = kSmallest_m) {
   cv::Mat repeated_px = nothing();
-  CoherentMatches(kGeometry, smallest_m).keep(disparity_px, repeated_px);
-  return matches(disparity_px);
+  const int kept = CoherentMatches(kGeometry, smallest_m, 2).keep(disparity_px, repeated_px);
+  EXPECT_EQ(kept, matches(disparity_px));
+  return kept;
 }
 
 /// Pixels that the smallest obstacle covers at a disparity.
@@ -57,7 +58,7 @@ TEST(CoherentMatches, APatchMostOfWhichIsRepeatedIsRepeatedAsAWhole) {
     const cv::Rect rows(50, 20, 30, repeated_rows);
     best(rows).copyTo(repeated(rows));
     best(rows).setTo(kNaN);
-    CoherentMatches(kGeometry, kSmallest_m).keep(best, repeated);
+    CoherentMatches(kGeometry, kSmallest_m, 2).keep(best, repeated);
     EXPECT_EQ(matches(best), repeated_rows > 50 ? 0 : 30 * (100 - repeated_rows));
     EXPECT_EQ(matches(repeated), 30 * (repeated_rows > 50 ? 100 : repeated_rows));
   }
@@ -125,7 +126,7 @@ TEST(CoherentMatches, RandomImagesAreAsFloodingSays) {
     }
     const cv::Mat expected = flooded(disparity_px);
     cv::Mat repeated_px = nothing();
-    CoherentMatches(kGeometry, kSmallest_m).keep(disparity_px, repeated_px);
+    CoherentMatches(kGeometry, kSmallest_m, 2).keep(disparity_px, repeated_px);
     EXPECT_EQ(cv::countNonZero((disparity_px > 0.0) != (expected > 0.0)), 0) << trial;
   }
 }

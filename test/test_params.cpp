@@ -130,6 +130,14 @@ TEST(Params, ListsEveryUnknownKeyWrongTypeAndBrokenRuleAtOnce) {
   EXPECT_TRUE(contains(complaint, "map/frame_id: expects a text")) << complaint;
 }
 
+TEST(Params, AnImageScaleOtherThanAHalvingIsRefusedByItsKey) {
+  for (const double scale : {0.3, 0.0, -1.0, 2.0}) {
+    EXPECT_TRUE(contains(complaintAbout({{"ros/scale", scale}}), "ros/scale: 1, 0.5, 0.25 or 0.125 (")) << scale;
+  }
+  EXPECT_EQ(makeConfig({{"ros/scale", 0.25}}).ros.scale, 0.25);
+  EXPECT_EQ(makeConfig({{"ros/scale", 1}}).ros.scale, 1.0);
+}
+
 TEST(Params, IntegersAreNumbersButNumbersAreNoIntegers) {
   EXPECT_EQ(makeConfig({{"corridor/length_m", 3}}).core.corridor.length_m, 3.0);
   EXPECT_NE(complaintAbout({{"ros/sync_queue", 3.0}}), "");

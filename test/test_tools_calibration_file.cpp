@@ -3,6 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "ros/conversions.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/calibration_file.hpp"
 
@@ -16,7 +17,8 @@ class CalibrationFileTest : public testing::Test {
   std::string path() const { return folder.path("calib.yaml"); }
   StereoCalibration read(const std::string& text) const {
     std::ofstream(path()) << text;
-    return readCalibration(path(), {640, 480});
+    const StereoCameras cameras = readCalibration({path()}, {{640, 480}});
+    return flight_corridor_ros::toCalibration(cameras.left, cameras.right);
   }
   /// Without the file's name, which stands before it.
   std::string error(const std::string& text) const {
@@ -73,7 +75,7 @@ TEST_F(CalibrationFileTest, NamesABaselineInAnotherUnit) {
 
 TEST_F(CalibrationFileTest, NamesAnEmptyFileAndOneThatIsNotThere) {
   EXPECT_EQ(error("").find("is empty. Wanted are lines"), 0u);
-  EXPECT_THROW(readCalibration(folder.path("no.yaml"), {640, 480}), std::runtime_error);
+  EXPECT_THROW(readCalibration({folder.path("no.yaml")}, {{640, 480}}), std::runtime_error);
 }
 
 TEST_F(CalibrationFileTest, SaysWhatIsNotToBeReadAsYaml) {
@@ -103,57 +105,14 @@ TEST_P(ForeignCalibrationTest, IsRefusedWithItsKindAllMissingKeysAndTheConversio
 }
 
 constexpr Foreign kForeign[] = {
-    {"a Kalibr camchain",
-     "cam0:\n  camera_model: pinhole\n  intrinsics: [454.01, 453.84, 328.79, 248.33]\n  resolution: [640, 480]\ncam1:\n"
-     "  T_cn_cnm1:\n  - [0.9997, -0.0053, 0.0211, -0.0751]\n  camera_model: pinhole\n",
-     "stereoRectify"},
-    {"a Kalibr camchain", "cam0: {cam_overlaps: [1], camera_model: omni}\ncam1:\n  T_cn_cnm1: [[1, 0, 0, -0.1]]\n",
-     "stereoRectify"},
-    {"an EuRoC sensor.yaml",
-     "# General sensor definitions.\nsensor_type: camera\ncomment: VI-Sensor cam0 (MT9M034)\nT_BS:\n  cols: 4\n  rows: "
-     "4\n"
-     "  data: [0.0148, -0.9998, 0.0041, -0.0216]\nrate_hz: 20\nintrinsics: [458.654, 457.296, 367.215, 248.375]\n",
-     "stereoRectify"},
-    {"a KITTI calibration",
-     "P0: 7.18e+02 0.0 6.07e+02 0.0 0.0 7.18e+02 1.85e+02 0.0 0.0 0.0 1.0 0.0\n"
-     "P1: 7.18e+02 0.0 6.07e+02 -3.86e+02 0.0 7.18e+02 1.85e+02 0.0 0.0 0.0 1.0 0.0\n",
-     "(P0[3] - P1[3]) / fx"},
-    {"a KITTI calibration",
-     "calib_time: 09-Jan-2012 13:57:47\ncorner_dist: 9.950000e-02\nS_rect_00: 1.2e+03 3.7e+02\n"
-     "P_rect_00: 7.2e+02 0.0 6.0e+02 0.0 0.0 7.2e+02 1.7e+02 0.0 0.0 0.0 1.0 0.0\n",
-     "(P0[3] - P1[3]) / fx"},
-    {"an OpenCV calibration",
-     "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 350., 0., 320., 0., 350., "
-     "240., "
-     "0., 0., 1. ]\nT: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ -120., 0., 0. ]\n",
-     "stereoRectify"},
-    {"an OpenCV calibration", "<?xml version=\"1.0\"?>\n<opencv_storage>\n<M1 type_id=\"opencv-matrix\">\n</M1>\n",
-     "stereoRectify"},
+    {"an OpenCV calibration in XML",
+     "<?xml version=\"1.0\"?>\n<opencv_storage>\n<M1 type_id=\"opencv-matrix\">\n</M1>\n", "YAML"},
     {"an ORB-SLAM settings file",
      "%YAML:1.0\nCamera.fx: 435.2\nCamera.fy: 435.2\nCamera.cx: 367.4\nCamera.cy: 252.2\nCamera.bf: 47.9\n",
      "Camera.bf / Camera.fx"},
-    {"a ROS camera calibration",
-     "image_width: 640\nimage_height: 480\ncamera_name: left\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [350, 0, "
-     "320, "
-     "0, 350, 240, 0, 0, 1]\ndistortion_model: plumb_bob\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: [350, 0, "
-     "320, "
-     "0, 0, 350, 240, 0, 0, 0, 1, 0]\n",
-     "-P_right[3] / fx"},
-    {"a ROS camera calibration",
+    {"a ROS camera calibration as text",
      "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n\ncamera matrix\n350 0 320\n\nprojection\n350 0 320 0\n",
      "-P_right[3] / fx"},
-    {"a ROS CameraInfo message",
-     "header: \n  seq: 1\nheight: 480\nwidth: 640\ndistortion_model: \"plumb_bob\"\nD: [0.0]\nK: [350.0]\nP: [350.0, "
-     "0.0]\n",
-     "-P_right[3] / fx"},
-    {"a Middlebury calibration",
-     "cam0=[5806.559 0 1429.219; 0 5806.559 993.403; 0 0 1]\ncam1=[5806.559 0 1543.51; 0 5806.559 993.403; 0 0 1]\n"
-     "doffs=114.291\nbaseline=174.019\nwidth=2960\nheight=2016\nndisp=250\n",
-     "baseline / 1000"},
-    {"a ZED factory calibration",
-     "[STEREO]\nBaseline=120.0\nCV_2K=0.01\n\n[LEFT_CAM_HD]\nfx=700.9\nfy=700.9\ncx=641.2\ncy=364.3\nk1=-0.17\n\n"
-     "[RIGHT_CAM_HD]\nfx=701.2\n",
-     "Baseline / 1000"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ForeignCalibrationTest, testing::ValuesIn(kForeign));

@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "flight_corridor/corridor/corridor.hpp"
+#include "support/raw_rig.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/folder.hpp"
 #include "tools/stereo_bag_reader.hpp"
@@ -33,7 +34,7 @@ class FolderTest : public testing::Test {
 
   std::string error() const {
     try {
-      writeBag(readFolder(root(), 10.0), folder.path("out.bag"), [] {});
+      writeBag(readFolder(root(), {}), folder.path("out.bag"), [] {});
     } catch (const std::runtime_error& e) {
       return e.what();
     }
@@ -44,7 +45,7 @@ class FolderTest : public testing::Test {
 };
 
 TEST_F(FolderTest, IsReadWithStampsRangesPosesAndCalibration) {
-  const FolderRecording recording = readFolder(root(), 10.0);
+  const FolderRecording recording = readFolder(root(), {});
   EXPECT_EQ(recording.rig.calibration.cx_right_px, 5.5);
   EXPECT_EQ(recording.rig.calibration.baseline_m, 0.2);
   EXPECT_EQ(recording.rig.calibration.size_px, cv::Size(8, 6));
@@ -57,14 +58,14 @@ TEST_F(FolderTest, IsReadWithStampsRangesPosesAndCalibration) {
 }
 
 TEST_F(FolderTest, PoseOfTheCameraIsPoseOfTheBodyTimesItsMounting) {
-  const FolderRecording recording = readFolder(root(), 10.0);
+  const FolderRecording recording = readFolder(root(), {});
   Eigen::Isometry3d T_W_C = Eigen::Isometry3d::Identity();
   T_W_C.translation() = Eigen::Vector3d(1, 2, 3);
   EXPECT_TRUE((recording.poses_W_B[0].value * recording.rig.T_B_C).isApprox(T_W_C));
 }
 
 TEST_F(FolderTest, BeamLiesOnTheOpticalAxis) {
-  const BagRig rig = readFolder(root(), 10.0).rig;
+  const BagRig rig = readFolder(root(), {}).rig;
   const Eigen::Isometry3d T_C_L = rig.T_B_C.inverse() * rig.T_B_L;
   EXPECT_TRUE(T_C_L.translation().isZero());
   EXPECT_TRUE((T_C_L.linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitZ()));
@@ -90,7 +91,7 @@ TEST_F(FolderTest, WholeNumbersCountByTheirValueAndOtherNamesAsTheyAre) {
       fs::rename(folder.path(side + old_0), folder.path(side + new_0));
       fs::rename(folder.path(side + old_1), folder.path(side + new_1));
     }
-    return readFolder(root(), 10.0).pairs;
+    return readFolder(root(), {}).pairs;
   };
   auto pairs = rename("000000.png", "000001.png", "10.png", "2.png");
   EXPECT_EQ(pairs[0].value.left, folder.path("left/2.png"));
@@ -102,7 +103,7 @@ TEST_F(FolderTest, WholeNumbersCountByTheirValueAndOtherNamesAsTheyAre) {
 
 TEST_F(FolderTest, NeedsOnlyImagesAndCalibration) {
   for (const char* name : {"timestamps.csv", "range.csv", "poses.csv"}) fs::remove(folder.path(name));
-  const FolderRecording recording = readFolder(root(), 10.0);
+  const FolderRecording recording = readFolder(root(), {});
   EXPECT_EQ(recording.pairs[1].stamp - recording.pairs[0].stamp, ros::Duration(0.1));
   EXPECT_TRUE(recording.ranges_m.empty());
 }
@@ -111,7 +112,7 @@ TEST_F(FolderTest, StampZeroMovesToOneSecondEverywhere) {
   write("timestamps.csv", "frame,stamp_s\n0,0\n1,0.1044989\n");
   write("range.csv", "frame,stamp_s,range_m\n0,0.0,2.5\n");
   write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n");
-  const FolderRecording recording = readFolder(root(), 10.0);
+  const FolderRecording recording = readFolder(root(), {});
   EXPECT_EQ(recording.pairs[0].stamp, ros::Time(1, 0));
   EXPECT_EQ(recording.pairs[1].stamp, ros::Time(1, 104498900));
   EXPECT_EQ(recording.ranges_m[0].stamp, ros::Time(1, 0));
@@ -124,9 +125,7 @@ TEST_F(FolderTest, NamesWhatIsMissing) {
             folder.path("right/000001.png") + ": is missing, but " + folder.path("left/000001.png") + " is there");
 }
 
-TEST_F(FolderTest, NamesAFolderThatIsNotThere) {
-  EXPECT_THROW(readFolder("/no/such/folder", 10.0), std::runtime_error);
-}
+TEST_F(FolderTest, NamesAFolderThatIsNotThere) { EXPECT_THROW(readFolder("/no/such/folder", {}), std::runtime_error); }
 
 TEST_F(FolderTest, NamesAnImageThatIsEmpty) {
   write("right/000001.png", "");
@@ -200,7 +199,7 @@ TEST_F(FolderTest, RefusesStampsThatDoNotAscend) {
 
 TEST_F(FolderTest, RefusesANegativeRangeButKeepsWhatRep117Allows) {
   write("range.csv", "stamp_s,range_m\n1,inf\n2,-inf\n3,nan\n4,0\n");
-  EXPECT_EQ(readFolder(root(), 10.0).ranges_m.size(), 4u);
+  EXPECT_EQ(readFolder(root(), {}).ranges_m.size(), 4u);
   write("range.csv", "stamp_s,range_m\n1,-0.5\n");
   EXPECT_EQ(error(), folder.path("range.csv") + ":2: column 'range_m': a range is not negative; too close is -inf");
 }
@@ -213,6 +212,68 @@ TEST_F(FolderTest, RefusesAPositionThatIsNotFinite) {
 TEST_F(FolderTest, NamesAMissingCalibrationOnce) {
   fs::remove(folder.path("calib.yaml"));
   EXPECT_EQ(error(), folder.path("calib.yaml") + ": cannot be read");
+}
+
+/// A folder as EuRoC's recordings are unpacked.
+class EurocFolderTest : public testing::Test {
+ protected:
+  EurocFolderTest() {
+    rig = test_support::makeRawRig(clean, false);
+    for (const char* camera : {"mav0/cam0", "mav0/cam1"}) fs::create_directories(folder.path(camera) + "/data");
+    for (const char* stamp : {"1403636579763555584", "1403636579813555456"}) {
+      for (const char* camera : {"mav0/cam0", "mav0/cam1"}) {
+        cv::imwrite(folder.path(camera) + "/data/" + stamp + ".png", cv::Mat(clean.size_px, CV_8UC1, 77));
+      }
+    }
+    const Eigen::Isometry3d T_B_left(test_support::turned(0.0, 0.0, 1.57));
+    std::ofstream(folder.path("mav0/cam0/sensor.yaml")) << test_support::eurocYaml(rig.cameras.left, T_B_left);
+    std::ofstream(folder.path("mav0/cam1/sensor.yaml"))
+        << test_support::eurocYaml(rig.cameras.right, T_B_left * rig.T_right_left.inverse());
+  }
+  std::string root() const { return fs::path(folder.path("mav0")).parent_path().string(); }
+
+  StereoCalibration clean{{64, 48}, 50.0, 50.0, 31.5, 23.5, 31.5, 0.11};
+  test_support::RawRig rig;
+  test_support::TemporaryFolder folder;
+};
+
+TEST_F(EurocFolderTest, IsRectifiedAndStampedByItsNames) {
+  const FolderRecording recording = readFolder(root(), {});
+  ASSERT_TRUE(recording.rectifier);
+  EXPECT_NEAR(recording.rig.calibration.baseline_m, 0.11, 1e-6);
+  EXPECT_EQ(recording.pairs[1].stamp, ros::Time(1403636579, 813555456));
+  writeBag(recording, folder.path("out.bag"), [] {});
+  const StereoBagReader bag(folder.path("out.bag"), {});
+  int pairs = 0;
+  bag.play({}, {[&](const StereoMessages& pair) {
+                  ++pairs;
+                  EXPECT_EQ(pair.left->data[24 * 64 + 32], 77);
+                },
+                [](const sensor_msgs::RangeConstPtr&) {}});
+  EXPECT_EQ(pairs, 2);
+}
+
+TEST_F(EurocFolderTest, LeavesOutAnImageWhosePartnerWasDropped) {
+  fs::remove(folder.path("mav0/cam1/data/1403636579763555584.png"));
+  EXPECT_EQ(readFolder(root(), {}).pairs.size(), 1u);
+  fs::remove(folder.path("mav0/cam1/data/1403636579813555456.png"));
+  EXPECT_THROW(readFolder(root(), {}), std::runtime_error);
+}
+
+TEST_F(EurocFolderTest, CannotBeTakenForRectified) {
+  FolderReading reading;
+  reading.images = ImageState::Rectified;
+  EXPECT_THROW(readFolder(root(), reading), std::runtime_error);
+}
+
+TEST_F(EurocFolderTest, ACalibrationThatIsNamedComesBeforeTheFoldersOwn) {
+  std::ofstream(folder.path("ost_left.yaml")) << test_support::rosYaml(rig.cameras.left);
+  std::ofstream(folder.path("ost_right.yaml")) << test_support::rosYaml(rig.cameras.right);
+  FolderReading reading;
+  reading.calibration_files = {folder.path("ost_left.yaml"), folder.path("ost_right.yaml")};
+  EXPECT_NEAR(readFolder(root(), reading).rig.calibration.fx_px, 50.0, 1e-9);  // as P has it
+  reading.images = ImageState::Rectified;
+  EXPECT_FALSE(readFolder(root(), reading).rectifier);
 }
 
 TEST_F(FolderTest, LeavesTheOldBagWhenItFails) {

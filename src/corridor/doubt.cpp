@@ -64,6 +64,7 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
   const auto* set = evidence.set.ptr<std::uint64_t>();
   const int pixels = geometry_.size().area();
   for (int i = 0; i < pixels && candidates_.size() < kEnough * pixels; ++i) {
+    if (!(exit_px[i] < entry_px[i])) continue;  // its ray misses the box
     const bool is_repeated = !std::isnan(repeated_px[i]);
     const double match_px = correction.correct(is_repeated ? repeated_px[i] : best_px[i]);
     const bool is_behind = match_px < exit_px[i];

@@ -31,6 +31,8 @@ Violations check(const ScaleConfig& config) {
 
 ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
   throwIfBroken(check(config));
+  least_ = 1.0 / (1.0 + config.max_correction);
+  most_ = 1.0 / (1.0 - config.max_correction);
   covariance_ =
       Eigen::Vector2d(std::pow(config.prior_sigma, 2), std::pow(config.offset_prior_sigma_px, 2)).asDiagonal();
 }
@@ -73,13 +75,6 @@ Eigen::Vector2d ScaleCorrection::significant() const {
   const double sigmas = std::sqrt(error.dot(chance.ldlt().solve(error)));
   const double share = std::clamp((sigmas - kNotSignificant) / (kSignificant - kNotSignificant), 0.0, 1.0);
   return faultless + share * error;
-}
-
-double ScaleCorrection::correct(double disparity_px) const {
-  if (!(disparity_px > 0.0)) return kNaN;
-  const double corrected = applied_[0] * disparity_px + applied_[1];
-  return std::clamp(corrected, disparity_px / (1.0 + config_.max_correction),
-                    disparity_px / (1.0 - config_.max_correction));
 }
 
 /// First order: s = d / (a d + b), so sigma_s = s^2 sigma(a d + b) / d.

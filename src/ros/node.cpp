@@ -94,7 +94,8 @@ void Node::answer(const StereoMessages& pair) {
   if (!isFresh(header.stamp)) return refuseOld();
   publish(header, report);
   if (auto* pipeline = processor_.products()) {
-    publishers_.publishProducts(*pair.left_info, header, processor_.left(), *pipeline, report, processor_.lidar());
+    publishers_.publishProducts(*processor_.leftInfo(), header, processor_.left(), *pipeline, report,
+                                processor_.lidar());
   } else {
     publishers_.removeBox(header);
   }
@@ -133,8 +134,7 @@ void Node::guard() {
   publishers_.publishVerdict(header, refusal(header.stamp, flight_corridor::kNoData));
   publishers_.removeBox(header);
   if (silence_warning_.due()) {
-    ROS_WARN("no stereo pair answered for %.1f s: UNKNOWN. Needed with %s stamps: %s", silent_s,
-             config_.ros.approximate_sync ? "similar" : "equal", stereo_.topics().c_str());
+    ROS_WARN("no stereo pair answered for %.1f s: UNKNOWN. %s", silent_s, stereo_.explainSilence(silent_s).c_str());
   }
 }
 

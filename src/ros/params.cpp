@@ -1,8 +1,7 @@
 #include "ros/params.hpp"
 
-#include <map>
-#include <variant>
-
+#include "ros/fields.hpp"
+#include "ros/image_scale.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
@@ -11,8 +10,6 @@ namespace {
 
 using flight_corridor::Rules;
 using flight_corridor::Violations;
-using Field = std::variant<double*, int*, bool*, std::string*, Eigen::Vector3d*>;
-using Fields = std::map<std::string, Field>;
 
 // The one place where a key meets its field.
 
@@ -96,9 +93,14 @@ Fields bind(flight_corridor::CorridorConfig& c) {
 }
 
 Fields bind(RosConfig& c) {
-  return {{"approximate_sync", &c.approximate_sync}, {"sync_slop_s", &c.sync_slop_s}, {"sync_queue", &c.sync_queue},
-          {"gravity_frame", &c.gravity_frame},       {"watchdog_s", &c.watchdog_s},   {"tf_timeout_s", &c.tf_timeout_s},
-          {"image_transport", &c.image_transport}};
+  return {{"approximate_sync", &c.approximate_sync},
+          {"sync_slop_s", &c.sync_slop_s},
+          {"sync_queue", &c.sync_queue},
+          {"gravity_frame", &c.gravity_frame},
+          {"watchdog_s", &c.watchdog_s},
+          {"tf_timeout_s", &c.tf_timeout_s},
+          {"image_transport", &c.image_transport},
+          {"scale", &c.scale}};
 }
 
 Fields bind(NodeConfig& config) {
@@ -116,45 +118,6 @@ Fields bind(NodeConfig& config) {
   add("ros", bind(config.ros));
   return all;
 }
-
-/// Puts a value into its field.  @return the type that the field wants; "" when the value has it.
-struct Assign {
-  const Value& value;
-
-  std::string operator()(double* field) const {
-    if (const int* integer = std::get_if<int>(&value)) return *field = *integer, "";
-    return exactly(field, "a number");
-  }
-  std::string operator()(int* field) const { return exactly(field, "an integer"); }
-  std::string operator()(bool* field) const { return exactly(field, "true or false"); }
-  std::string operator()(std::string* field) const { return exactly(field, "a text"); }
-  std::string operator()(Eigen::Vector3d* field) const {
-    const auto* list = std::get_if<std::vector<double>>(&value);
-    if (!list || list->size() != 3) return "a list of three numbers";
-    *field = Eigen::Vector3d((*list)[0], (*list)[1], (*list)[2]);
-    return "";
-  }
-
- private:
-  template <typename T>
-  std::string exactly(T* field, const char* wanted) const {
-    const T* same = std::get_if<T>(&value);
-    if (!same) return wanted;
-    *field = *same;
-    return "";
-  }
-};
-
-/// The value of a field.
-struct Read {
-  template <typename T>
-  Value operator()(const T* field) const {
-    return *field;
-  }
-  Value operator()(const Eigen::Vector3d* field) const {
-    return std::vector<double>{field->x(), field->y(), field->z()};
-  }
-};
 
 /// Frames are named as tf2 names them.
 void takeFrame(const std::string& key, std::string& frame, Violations& broken) {
@@ -174,19 +137,13 @@ Violations check(const RosConfig& config) {
   rules.require(0.0 <= config.tf_timeout_s && config.tf_timeout_s <= 10.0, "tf_timeout_s", "0 to 10",
                 config.tf_timeout_s);
   rules.require(!config.image_transport.empty(), "image_transport", "a transport's name", config.image_transport);
+  rules.require(isImageScale(config.scale), "scale", "1, 0.5, 0.25 or 0.125", config.scale);
   return rules.broken();
 }
 
 NodeConfig makeConfig(const Values& values) {
   NodeConfig config;
-  Violations broken;
-  const Fields fields = bind(config);
-  for (const auto& [key, value] : values) {
-    const auto found = fields.find(key);
-    const std::string wanted = found == fields.end() ? "" : std::visit(Assign{value}, found->second);
-    if (found == fields.end()) broken.push_back(key + ": unknown key (" + describe(value) + ")");
-    if (!wanted.empty()) broken.push_back(key + ": expects " + wanted + " (" + describe(value) + ")");
-  }
+  Violations broken = assign(values, bind(config));
   for (const Violations& section : {flight_corridor::check(config.core), check(config.ros)}) {
     broken.insert(broken.end(), section.begin(), section.end());
   }
@@ -199,9 +156,7 @@ NodeConfig makeConfig(const Values& values) {
 
 Values toValues(const NodeConfig& config) {
   NodeConfig copy = config;
-  Values values;
-  for (const auto& [key, field] : bind(copy)) values[key] = std::visit(Read{}, field);
-  return values;
+  return valuesOf(bind(copy));
 }
 
 }  // namespace flight_corridor_ros

@@ -16,6 +16,7 @@ struct RosConfig {
   double watchdog_s = 0.5;              ///< Without a verdict for so long, UNKNOWN is published.
   double tf_timeout_s = 0.05;           ///< Wait for a pose at an image's stamp.
   std::string image_transport = "raw";  ///< Transport of the images that come in.
+  double scale = 1.0;                   ///< Of the images that are processed: 1, 0.5, 0.25 or 0.125.
 };
 flight_corridor::Violations check(const RosConfig& config);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ros/conversions.hpp"
+#include "ros/image_scale.hpp"
 
 namespace flight_corridor_ros {
 
@@ -16,6 +17,12 @@ constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
 
 constexpr double kUseless_s = 1.0;  // a LiDAR without a useful reading for so long is worth a word
+
+/// Of an image or CameraInfo, for messages.
+template <typename Message>
+std::string sizeOf(const Message& message) {
+  return std::to_string(message.width) + "x" + std::to_string(message.height);
+}
 
 }  // namespace
 
@@ -42,12 +49,14 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
     return report_;
   }
   newest_stamp_ = header.stamp;
-  if (const std::uint32_t reasons = rig_.fit(pair, inbox_.rangeFrames())) {
+  left_info_ = scaled(pair.left_info, config_.ros.scale);
+  const auto right_info = scaled(pair.right_info, config_.ros.scale);
+  if (const std::uint32_t reasons = rig_.fit(header, *left_info_, *right_info, inbox_.rangeFrames())) {
     return report_ = refusal(header.stamp, reasons);
   }
   addReadings(header);
-  left_ = readImage(pair.left);
-  const auto right = readImage(pair.right);
+  left_ = readImage(pair.left, *pair.left_info);
+  const auto right = readImage(pair.right, *pair.right_info);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
   explain(pair, right->image);
   has_products_ = !isRefusal(report_);
@@ -139,19 +148,10 @@ void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
 
 /// Says why images that could be read are none to rely on.
 void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
-  const cv::Size size = rig_->geometry().size();
   const bool is_empty = left_->image.empty() || right.empty();  // readImage() has spoken
   if ((report_.verdict.reasons & flight_corridor::kBadImage) && !is_empty && image_warning_.due()) {
-    if (left_->image.size() != size || right.size() != size) {
-      ROS_ERROR(
-          "images are %dx%d and %dx%d px, CameraInfo says %dx%d: UNKNOWN. Send full images, or the CameraInfo of the "
-          "scaled ones",
-          left_->image.cols, left_->image.rows, right.cols, right.rows, size.width, size.height);
-    } else {
-      ROS_ERROR(
-          "left and right image are equal to the last bit: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
-          pair.left->header.frame_id.c_str(), pair.right->header.frame_id.c_str());
-    }
+    ROS_ERROR("left and right image are equal to the last bit: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
+              pair.left->header.frame_id.c_str(), pair.right->header.frame_id.c_str());
   }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
     ROS_WARN(
@@ -174,8 +174,16 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
 }
 
 /// An empty image when the message is none: the pipeline answers BAD_IMAGE.
-cv_bridge::CvImageConstPtr Processor::readImage(const sensor_msgs::ImageConstPtr& message) try {
-  return toGrey(message);
+cv_bridge::CvImageConstPtr Processor::readImage(const sensor_msgs::ImageConstPtr& message,
+                                                const sensor_msgs::CameraInfo& info) try {
+  if (message->width != info.width || message->height != info.height) {
+    throw std::invalid_argument("image of " + message->header.frame_id + " is " + sizeOf(*message) +
+                                " px, its CameraInfo says " + sizeOf(info) +
+                                ": UNKNOWN. Send full images, or the CameraInfo of the scaled ones");
+  }
+  const auto image = boost::make_shared<cv_bridge::CvImage>(*toGrey(message));
+  image->image = scaled(image->image, config_.ros.scale);
+  return image;
 } catch (const std::invalid_argument& error) {
   if (image_warning_.due()) ROS_ERROR("%s", error.what());
   return boost::make_shared<cv_bridge::CvImage>();

@@ -57,8 +57,10 @@ class Processor {
   const std_msgs::Header& mapHeader() const { return map_header_; }
   /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
-  /// The last pair's left image, CV_8UC1; empty when it could not be read.
+  /// The last pair's left image at ros/scale, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
+  /// Its CameraInfo at ros/scale; null before the first pair.
+  const sensor_msgs::CameraInfoConstPtr& leftInfo() const { return left_info_; }
   /// Of the present pipeline, and of the readings that were refused before it; all 0 without one.
   flight_corridor::Counters counters();
 
@@ -71,7 +73,7 @@ class Processor {
   void watchLidar(const flight_corridor::RangeReading& reading);
   void explain(const StereoMessages& pair, const cv::Mat& right);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
-  cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message);
+  cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message, const sensor_msgs::CameraInfo& info);
 
   const NodeConfig config_;
   const Transforms& transforms_;
@@ -83,6 +85,7 @@ class Processor {
   flight_corridor::Report report_ = refusal({}, flight_corridor::kNoData);
   sensor_msgs::RangeConstPtr lidar_;
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();
+  sensor_msgs::CameraInfoConstPtr left_info_;
   bool has_products_ = false;
   ros::Time newest_stamp_;
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known

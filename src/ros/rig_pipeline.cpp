@@ -32,11 +32,13 @@ bool same(const StereoCalibration& a, const StereoCalibration& b) {
 
 }  // namespace
 
-std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::vector<std::string>& range_frames) try {
-  const StereoGeometry geometry(toCalibration(*pair.left_info, *pair.right_info));
-  const std::string& camera_frame = pair.header.frame_id;
+std::uint32_t RigPipeline::fit(const std_msgs::Header& camera, const sensor_msgs::CameraInfo& left_info,
+                               const sensor_msgs::CameraInfo& right_info,
+                               const std::vector<std::string>& range_frames) try {
+  const StereoGeometry geometry(toCalibration(left_info, right_info));
+  const std::string& camera_frame = camera.frame_id;
   findLidar(geometry, camera_frame, range_frames);
-  const auto T_C_F = forward(pair.header);
+  const auto T_C_F = forward(camera);
   if (!T_C_F) return flight_corridor::kNoPose;
   const bool is_same =
       is_fit_ && camera_frame == camera_frame_ && same(geometry.calibration(), pipeline_->geometry().calibration());
@@ -47,7 +49,7 @@ std::uint32_t RigPipeline::fit(const StereoMessages& pair, const std::vector<std
   return 0;
 } catch (const std::invalid_argument& error) {
   if (warning_.due()) {
-    ROS_ERROR("no verdict from camera \"%s\": %s", pair.header.frame_id.c_str(), error.what());
+    ROS_ERROR("no verdict from camera \"%s\": %s", camera.frame_id.c_str(), error.what());
   }
   is_fit_ = false;
   return flight_corridor::kBadCalibration;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <sensor_msgs/CameraInfo.h>
+#include <std_msgs/Header.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,7 +10,6 @@
 
 #include "flight_corridor/pipeline.hpp"
 #include "ros/heartbeat.hpp"
-#include "ros/stereo_subscriber.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
@@ -21,9 +23,12 @@ class RigPipeline {
 
   /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam
   /// ends in the camera's view, else that looks ahead; it stays the LiDAR while that holds, and sits where tf says now.
+  /// @param camera the left image's header, its frame without a leading slash.
+  /// @param left_info, right_info of the images that will be processed.
   /// @param range_frames of the range sensors, without a leading slash.
   /// @return why there is no pipeline: 0, kBadCalibration or kNoPose.
-  std::uint32_t fit(const StereoMessages& pair, const std::vector<std::string>& range_frames);
+  std::uint32_t fit(const std_msgs::Header& camera, const sensor_msgs::CameraInfo& left_info,
+                    const sensor_msgs::CameraInfo& right_info, const std::vector<std::string>& range_frames);
 
   /// Whether readings of this frame are the LiDAR's.
   bool isLidar(const std::string& frame) const { return hasLidar() && withoutSlash(frame) == lidar_frame_; }

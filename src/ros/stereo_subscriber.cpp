@@ -15,7 +15,7 @@ StereoMessages::StereoMessages(const sensor_msgs::ImageConstPtr& left, const sen
 
 StereoSubscriber::StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
                                    std::function<void(const StereoMessages&)> callback)
-    : callback_(std::move(callback)), transport_(node) {
+    : callback_(std::move(callback)), approximate_sync_(config.approximate_sync), transport_(node) {
   ros::NodeHandle handle(node);
   const auto queue = static_cast<std::uint32_t>(config.sync_queue);
   // Transport plugins write parameters of their own: not into the private namespace, where every key must be known.
@@ -38,17 +38,19 @@ template <typename Sync>
 void StereoSubscriber::connect(Sync& sync) {
   sync.setReset(true);
   sync.connectInput(possible_left_, possible_left_info_, possible_right_, possible_right_info_);
-  letThrough(left_, possible_left_);
-  letThrough(left_info_, possible_left_info_);
-  letThrough(right_, possible_right_);
-  letThrough(right_info_, possible_right_info_);
+  letThrough(PairWatch::kLeft, left_, possible_left_);
+  letThrough(PairWatch::kLeftInfo, left_info_, possible_left_info_);
+  letThrough(PairWatch::kRight, right_, possible_right_);
+  letThrough(PairWatch::kRightInfo, right_info_, possible_right_info_);
   sync.registerCallback(&StereoSubscriber::receive, this);
 }
 
 template <typename Message, typename Topic>
-void StereoSubscriber::letThrough(Topic& topic, message_filters::PassThrough<Message>& possible) {
+void StereoSubscriber::letThrough(PairWatch::Topic which, Topic& topic,
+                                  message_filters::PassThrough<Message>& possible) {
   const boost::function<void(const boost::shared_ptr<const Message>&)> pass =
-      [&possible](const boost::shared_ptr<const Message>& message) {
+      [this, which, &possible](const boost::shared_ptr<const Message>& message) {
+        watch_.hear(which, *message, ros::SteadyTime::now().toSec());
         if (isPossible(message->header.stamp)) possible.add(message);
       };
   topic.registerCallback(pass);
@@ -60,8 +62,9 @@ void StereoSubscriber::receive(const sensor_msgs::ImageConstPtr& left, const sen
   callback_({left, left_info, right, right_info});
 }
 
-std::string StereoSubscriber::topics() const {
-  return left_.getTopic() + ", " + left_info_.getTopic() + ", " + right_.getTopic() + ", " + right_info_.getTopic();
+std::string StereoSubscriber::explainSilence(double silent_s) const {
+  return watch_.explain({left_.getTopic(), left_info_.getTopic(), right_.getTopic(), right_info_.getTopic()},
+                        ros::SteadyTime::now().toSec() - silent_s, approximate_sync_ ? "similar" : "equal");
 }
 
 }  // namespace flight_corridor_ros

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 
+#include "ros/pair_watch.hpp"
 #include "ros/params.hpp"
 
 namespace flight_corridor_ros {
@@ -38,8 +39,8 @@ class StereoSubscriber {
   StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
                    std::function<void(const StereoMessages&)> callback);
 
-  /// The topics' full names, for messages.
-  std::string topics() const;
+  /// Why no pair has come for a while, and what to do about it. Any thread.
+  std::string explainSilence(double silent_s) const;
 
  private:
   using Exact = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo,
@@ -50,11 +51,13 @@ class StereoSubscriber {
   template <typename Sync>
   void connect(Sync& sync);
   template <typename Message, typename Topic>
-  void letThrough(Topic& topic, message_filters::PassThrough<Message>& possible);
+  void letThrough(PairWatch::Topic which, Topic& topic, message_filters::PassThrough<Message>& possible);
   void receive(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
                const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info);
 
   std::function<void(const StereoMessages&)> callback_;
+  const bool approximate_sync_;
+  PairWatch watch_;
   // Messages with a possible stamp, for the synchronizer; they outlive those who hand them on.
   message_filters::PassThrough<sensor_msgs::Image> possible_left_, possible_right_;
   message_filters::PassThrough<sensor_msgs::CameraInfo> possible_left_info_, possible_right_info_;

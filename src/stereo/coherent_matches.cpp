@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace flight_corridor {
@@ -11,65 +11,105 @@ namespace flight_corridor {
 namespace {
 
 constexpr float kStep_px = 1.0f;  // between neighbours of one surface: noise and slope
+constexpr int kBand_px = 60;      // rows that are labelled side by side with others
+constexpr int kNone = -1;         // the label where nothing is matched
 
 bool isOneSurface(float one_px, float other_px) { return std::abs(one_px - other_px) <= kStep_px; }  // not of NaN
 
 }  // namespace
 
-CoherentMatches::CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m)
+CoherentMatches::CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m, int threads)
     : geometry_(geometry),
-      size_(geometry.size()),
+      width_(geometry.size().width),
+      bands_((geometry.size().height + kBand_px - 1) / kBand_px),
       least_m2_(smallest_obstacle_m * smallest_obstacle_m),
-      labels_(static_cast<std::size_t>(size_.area())) {}
+      matches_px_(geometry.size(), CV_32FC1),
+      labels_(static_cast<std::size_t>(geometry.size().area())),
+      parents_(labels_.size()),
+      areas_(labels_.size()),
+      kept_(static_cast<std::size_t>(bands_)),
+      workers_(std::min(threads, bands_)) {}
 
-void CoherentMatches::keep(cv::Mat& best_px, cv::Mat& repeated_px) {
-  parents_.clear();
-  areas_.clear();
-  for (int v = 0; v < size_.height; ++v) labelRow(v, best_px, repeated_px);
-  for (int label = 0; label < static_cast<int>(parents_.size()); ++label) parents_[label] = root(label);
-  const float none = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < size_.height; ++v) {
-    auto *best = best_px.ptr<float>(v), *repeated = repeated_px.ptr<float>(v);
-    const int* labels = &labels_[static_cast<std::size_t>(v) * size_.width];
-    for (int u = 0; u < size_.width; ++u) {
-      const Area& area = areas_[parents_[labels[u]]];
-      const bool is_patch = area.all_m2 - area.repeated_m2 >= least_m2_;
-      if (is_patch && 2.0 * area.repeated_m2 <= area.all_m2) continue;
-      if (is_patch && std::isnan(repeated[u])) repeated[u] = best[u];
-      best[u] = none;
+int CoherentMatches::keep(cv::Mat& best_px, cv::Mat& repeated_px) {
+  const int height = geometry_.size().height;
+  const auto firstRow = [&](int band) { return std::min(band * kBand_px, height); };
+  workers_.run(bands_, [&](int band, int) {
+    for (int v = firstRow(band); v < firstRow(band + 1); ++v) {
+      labelRow(v, best_px, repeated_px);
+      if (v > firstRow(band)) joinWithAbove(v);
+    }
+    for (int label = firstRow(band) * width_; label < firstRow(band + 1) * width_; ++label) {
+      if (labels_[label] == label) parents_[label] = root(label);  // so the way to a root is short from here on
+    }
+  });
+  for (int band = 1; band < bands_; ++band) joinWithAbove(firstRow(band));
+  workers_.run(bands_, [&](int band, int) {
+    kept_[band] = 0;
+    for (int v = firstRow(band); v < firstRow(band + 1); ++v) kept_[band] += keepRow(v, best_px, repeated_px);
+  });
+  return std::accumulate(kept_.begin(), kept_.end(), 0);
+}
+
+/// A run is a patch of its own yet. Its area is that of its pixels, each at its own distance.
+void CoherentMatches::labelRow(int v, const cv::Mat& best_px, const cv::Mat& repeated_px) {
+  const auto *best = best_px.ptr<float>(v), *repeated = repeated_px.ptr<float>(v);
+  auto* row = matches_px_.ptr<float>(v);
+  for (int u = 0; u < width_; ++u) row[u] = std::isnan(best[u]) ? repeated[u] : best[u];
+  int* labels = &labels_[static_cast<std::size_t>(v) * width_];
+  for (int first = 0, end = 0; first < width_; first = end) {
+    const int label = v * width_ + first;
+    if (std::isnan(row[first])) {
+      labels[end++] = kNone;
+      continue;
+    }
+    Area area;
+    do {
+      labels[end] = label;
+      const double pixel_m2 = std::pow(geometry_.pixelEdge(row[end]), 2);
+      area.all_m2 += pixel_m2;
+      if (std::isnan(best[end])) area.repeated_m2 += pixel_m2;
+      ++end;
+    } while (end < width_ && isOneSurface(row[end], row[end - 1]));
+    parents_[label] = label;
+    areas_[label] = area;
+  }
+}
+
+/// Joins the runs of a row with those that they touch in the row above, also across corners.
+void CoherentMatches::joinWithAbove(int v) {
+  const auto *row = matches_px_.ptr<float>(v), *above = matches_px_.ptr<float>(v - 1);
+  const int *labels = &labels_[static_cast<std::size_t>(v) * width_], *labels_above = labels - width_;
+  std::pair<int, int> joined{-1, -1};  // last
+  for (int u = 0; u < width_; ++u) {
+    if (labels[u] == kNone) continue;
+    for (int beside = std::max(0, u - 1); beside <= std::min(width_ - 1, u + 1); ++beside) {
+      const std::pair<int, int> touching{labels[u], labels_above[beside]};
+      if (touching == joined || !isOneSurface(row[u], above[beside])) continue;
+      join(touching.first, touching.second);
+      joined = touching;
     }
   }
 }
 
-/// A run's area is that of its pixels, each at its own distance; none where nothing is matched.
-void CoherentMatches::labelRow(int v, const cv::Mat& best_px, const cv::Mat& repeated_px) {
-  const auto *best = best_px.ptr<float>(v), *repeated = repeated_px.ptr<float>(v);
-  std::swap(row_px_, above_px_);
-  row_px_.resize(static_cast<std::size_t>(size_.width));
-  for (int u = 0; u < size_.width; ++u) row_px_[u] = std::isnan(best[u]) ? repeated[u] : best[u];
-  const float *row = row_px_.data(), *above = above_px_.data();
-  int* labels = &labels_[static_cast<std::size_t>(v) * size_.width];
-  const int* labels_above = labels - size_.width;
-  int joined = -1;  // label of the row above that the run was joined with last
-  for (int u = 0; u < size_.width; ++u) {
-    if (u == 0 || !isOneSurface(row[u], row[u - 1])) {
-      parents_.push_back(static_cast<int>(parents_.size()));
-      areas_.emplace_back();
-      joined = -1;
+/// @return number of best matches that stay.
+int CoherentMatches::keepRow(int v, cv::Mat& best_px, cv::Mat& repeated_px) const {
+  auto *best = best_px.ptr<float>(v), *repeated = repeated_px.ptr<float>(v);
+  const int* labels = &labels_[static_cast<std::size_t>(v) * width_];
+  int kept = 0;
+  for (int u = 0; u < width_; ++u) {
+    int label = labels[u];
+    if (label == kNone) continue;
+    while (parents_[label] != label) label = parents_[label];
+    const Area& area = areas_[label];
+    const bool is_patch = area.all_m2 - area.repeated_m2 >= least_m2_;
+    if (is_patch && 2.0 * area.repeated_m2 <= area.all_m2) {
+      kept += !std::isnan(best[u]);
+      continue;
     }
-    const int label = labels[u] = static_cast<int>(parents_.size()) - 1;
-    if (!(row[u] > 0.0f)) continue;
-    const double edge_m = geometry_.pixelEdge(row[u]);
-    Area& area = areas_[root(label)];
-    area.all_m2 += edge_m * edge_m;
-    if (std::isnan(best[u])) area.repeated_m2 += edge_m * edge_m;
-    if (v == 0) continue;
-    for (int beside = std::max(0, u - 1); beside <= std::min(size_.width - 1, u + 1); ++beside) {
-      if (labels_above[beside] == joined || !isOneSurface(row[u], above[beside])) continue;
-      join(label, labels_above[beside]);
-      joined = labels_above[beside];
-    }
+    if (is_patch && std::isnan(repeated[u])) repeated[u] = best[u];
+    best[u] = std::numeric_limits<float>::quiet_NaN();
   }
+  return kept;
 }
 
 int CoherentMatches::root(int label) {

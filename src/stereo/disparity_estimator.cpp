@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMostByOpencv_px = 1024;
 
+int threads() { return std::max(1, cv::getNumThreads()); }
+
 }  // namespace
 
 Violations check(const StereoConfig& config) {
@@ -31,7 +33,7 @@ Violations check(const StereoConfig& config) {
 
 DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry,
                                        double smallest_obstacle_m)
-    : num_disparities_(config.num_disparities_px), geometry_(geometry), coherent_(geometry, smallest_obstacle_m) {
+    : num_disparities_(config.num_disparities_px), geometry_(geometry), coherent_(geometry, smallest_obstacle_m, threads()) {
   throwIfBroken(check(config));
   if (geometry.size().width <= num_disparities_) {
     throw std::invalid_argument("stereo/num_disparities_px: below the image's width (" +
@@ -41,7 +43,7 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
   if (config.engine == "opencv") {
     opencv_ = std::make_unique<OpencvMatcher>(config.opencv, geometry, num_disparities_);
   } else {
-    semi_global_ = std::make_unique<EvidenceMatcher>(geometry, num_disparities_, std::max(1, cv::getNumThreads()));
+    semi_global_ = std::make_unique<EvidenceMatcher>(geometry, num_disparities_, threads());
   }
 }
 
@@ -51,10 +53,7 @@ void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   } else {
     semi_global_->match(frame, out);
   }
-  coherent_.keep(out.best_px, out.repeated_px);
-  const auto* best_px = out.best_px.ptr<float>();
-  const auto matched = std::count_if(best_px, best_px + out.best_px.total(), [](float px) { return px == px; });
-  out.matched_fraction = static_cast<double>(matched) / static_cast<double>(out.best_px.total());
+  out.matched_fraction = coherent_.keep(out.best_px, out.repeated_px) / static_cast<double>(out.best_px.total());
 }
 
 double DisparityEstimator::nearestDepth() const {

@@ -15,6 +15,8 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr int kBands = 8;  // of pixels, side by side
+
 GreyImage viewOf(const cv::Mat& image) {
   return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
 }
@@ -57,10 +59,11 @@ void EvidenceMatcher::match(const StereoFrame& frame, DisparityEvidence& out) {
   matcher_.match(viewOf(frame.left), viewOf(frame.right),
                  {out.best_px.ptr<float>(), farthest_.data, nearest_.data, competitor_farthest_.data,
                   competitor_nearest_.data, out.flags.data, reinterpret_cast<std::uint64_t*>(out.set.data)});
-  toPixels(out);
+  const auto firstPixel = [this](int band) { return size_.height * band / kBands * size_.width; };
+  matcher_.workers().run(kBands, [&](int band, int) { toPixels(firstPixel(band), firstPixel(band + 1), out); });
 }
 
-void EvidenceMatcher::toPixels(DisparityEvidence& out) const {
+void EvidenceMatcher::toPixels(int first, int end, DisparityEvidence& out) const {
   constexpr int kMatched = kConsistent | kDistinct;
   const float first_px = static_cast<float>(first_px_), none = std::numeric_limits<float>::quiet_NaN();
   const std::uint8_t *flags = out.flags.data, *farthest = farthest_.data, *nearest = nearest_.data;
@@ -69,7 +72,7 @@ void EvidenceMatcher::toPixels(DisparityEvidence& out) const {
         *farthest_px = out.farthest_px.ptr<float>();
   float *nearest_px = out.nearest_px.ptr<float>(), *competitor_farthest_px = out.competitor_farthest_px.ptr<float>();
   float* competitor_nearest_px = out.competitor_nearest_px.ptr<float>();
-  for (int i = 0; i < size_.area(); ++i) {
+  for (int i = first; i < end; ++i) {
     farthest_px[i] = static_cast<float>(farthest[i]) + (first_px - kBoundSlack_px);
     nearest_px[i] = static_cast<float>(nearest[i]) + (first_px + kBoundSlack_px);
     const bool competitor = flags[i] & kCompetitor;

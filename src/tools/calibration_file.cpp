@@ -12,6 +12,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "ros/conversions.hpp"
+#include "tools/calibration_text.hpp"
+#include "tools/calibration_yaml.hpp"
+
 namespace flight_corridor::tools {
 namespace {
 
@@ -26,46 +30,42 @@ constexpr char kOwn[] =
     "Wanted are lines \"KEY: NUMBER\" with fx, fy, cx, cy of the rectified left camera and doffs, the right camera's "
     "cx "
     "less cx [px], and the baseline [m]";
-constexpr char kRectify[] =
-    "It describes images that are not rectified: rectify them with OpenCV's stereoRectify and remap, and take from its "
-    "P1, P2: fx = P1[0][0], fy = P1[1][1], cx = P1[0][2], cy = P1[1][2], doffs = P2[0][2] - cx, baseline [m] = "
-    "-P2[0][3] / fx, in the unit of its T";
-constexpr char kProjection[] =
-    "Take from the projection matrices P of left and right, row by row: fx = P_left[0], fy = P_left[5], cx = "
-    "P_left[2], "
-    "cy = P_left[6], doffs = P_right[2] - cx, baseline [m] = -P_right[3] / fx";
+constexpr char kText[] =
+    "Give the YAML file that camera_calibration or OpenCV writes of the same numbers, or take from the projection "
+    "matrices P of left and right, row by row: fx = P_left[0], fy = P_left[5], cx = P_left[2], cy = P_left[6], doffs = "
+    "P_right[2] - cx, baseline [m] = -P_right[3] / fx";
+
+using Reader = StereoCameras (*)(const CalibrationTexts& texts, const ImageFormat& images);
 
 /// What tells another tool's file: one of these texts, of which all parts are in it. Blanks do not count.
 struct Kind {
   const char* name;
   std::vector<std::vector<const char*>> signs;
-  const char* conversion;
+  Reader read;             ///< Null: it is refused ...
+  const char* conversion;  ///< ... with this.
 };
 
 /// Kinds that hold a sign of a later one come first.
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
-      {"a ZED factory calibration",
-       {{"\n[LEFT_CAM_"}},
-       "It describes images that are not rectified: import rectified ones, with the numbers that the ZED SDK gives for "
-       "them (fx, fy, cx, cy of calibration_parameters, doffs = 0), and Baseline / 1000, which is in mm"},
-      {"a Middlebury calibration",
-       {{"\ncam0=["}},
-       "Of cam0=[f 0 cx; 0 f cy; 0 0 1]: fx = fy = f, cx, cy; doffs as it is; baseline / 1000, which is in mm"},
-      {"a Kalibr camchain", {{"\ncam0:", "\nintrinsics:"}, {"\ncam0:", "\ncamera_model:"}, {"\nT_cn_cnm1:"}}, kRectify},
-      {"an EuRoC sensor.yaml", {{"\nT_BS:"}, {"\nsensor_type:"}}, kRectify},
+      {"a ZED factory calibration", {{"\n[LEFT_CAM_"}}, readZed, ""},
+      {"a Middlebury calibration", {{"\ncam0=["}}, readMiddlebury, ""},
+      {"a Kalibr camchain",
+       {{"\ncam0:", "\nintrinsics:"}, {"\ncam0:", "\ncamera_model:"}, {"\nT_cn_cnm1:"}},
+       readKalibr,
+       ""},
+      {"an EuRoC sensor.yaml", {{"\nT_BS:"}, {"\nsensor_type:"}}, readEuroc, ""},
       {"an ORB-SLAM settings file",
        {{"\nCamera.fx:"}, {"\nCamera1.fx:"}},
+       nullptr,
        "Where its images are rectified: fx, fy, cx, cy = Camera.fx and so on, doffs = 0, baseline [m] = Camera.bf / "
        "Camera.fx"},
-      {"an OpenCV calibration", {{"%YAML:1.0"}, {"!!opencv-matrix"}, {"<opencv_storage>"}}, kRectify},
-      {"a ROS camera calibration", {{"\nprojection_matrix"}, {"#oSTversion"}, {"\nprojection\n"}}, kProjection},
-      {"a ROS CameraInfo message", {{"\ndistortion_model:", "\nP:["}}, kProjection},
-      {"a KITTI calibration",
-       {{"\nP0:"}, {"\nP2:"}, {"\nP_rect_00:"}, {"\nP_rect_02:"}},
-       "Of the projection matrices of the pair that was imported, P0 and P1 (grey) or P2 and P3 (colour): fx = P0[0], "
-       "fy "
-       "= P0[5], cx = P0[2], cy = P0[6], doffs = P1[2] - cx, baseline [m] = (P0[3] - P1[3]) / fx"},
+      {"a ROS camera calibration", {{"\nprojection_matrix:"}}, readRos, ""},
+      {"an OpenCV calibration in XML", {{"<opencv_storage>"}}, nullptr, kText},
+      {"an OpenCV calibration", {{"%YAML:1.0"}, {"!!opencv-matrix"}}, readOpenCv, ""},
+      {"a ROS camera calibration as text", {{"#oSTversion"}, {"\nprojection\n"}}, nullptr, kText},
+      {"a ROS CameraInfo message", {{"\ndistortion_model:", "\nP:["}}, readRos, ""},
+      {"a KITTI calibration", {{"\nP0:"}, {"\nP2:"}, {"\nP_rect_00:"}, {"\nP_rect_02:"}}, readKitti, ""},
   };
   return kinds;
 }
@@ -95,19 +95,16 @@ const Kind* recognise(const std::string& text) {
   return nullptr;
 }
 
-/// @param faults of the keys and their values.
-[[noreturn]] void failUnreadable(const std::string& path, const std::string& text, const std::string& faults) {
-  const Kind* kind = recognise(text);
-  if (kind) fail(path, faults + "; it looks like " + kind->name + ". " + kind->conversion);
-  fail(path, faults + ". " + kOwn);
-}
-
 std::string withUnit(const Key& key) { return std::string(key.name) + " [" + key.unit + "]"; }
 
-/// The numbers by key.
-std::map<std::string, double> readNumbers(const std::string& path) {
-  const std::string text = readText(path);
+/// The numbers of our own form, and what is wrong with them; "" when nothing is.
+struct OwnNumbers {
   std::map<std::string, double> numbers;
+  std::string faults;
+};
+
+OwnNumbers readNumbers(const std::string& text) {
+  OwnNumbers own;
   std::string missing, wrong, syntax;
   YAML::Node yaml;
   try {
@@ -121,34 +118,86 @@ std::map<std::string, double> readNumbers(const std::string& path) {
     if (!value) {
       missing += (missing.empty() ? "" : ", ") + withUnit(key);
     } else if (value.IsScalar() && YAML::convert<double>::decode(value, number)) {
-      numbers[key.name] = number;
+      own.numbers[key.name] = number;
     } else {
       wrong += (wrong.empty() ? "" : ", ") + withUnit(key) + (value.IsScalar() ? " '" + value.Scalar() + "'" : "");
     }
   }
-  if (missing.empty() && wrong.empty()) return numbers;
-  failUnreadable(path, text,
-                 (missing.empty() ? "" : "missing: " + missing) + (missing.empty() || wrong.empty() ? "" : "; ") +
-                     (wrong.empty() ? "" : "no numbers: " + wrong) + syntax);
+  if (missing.empty() && wrong.empty()) return own;
+  own.faults = (missing.empty() ? "" : "missing: " + missing) + (missing.empty() || wrong.empty() ? "" : "; ") +
+               (wrong.empty() ? "" : "no numbers: " + wrong) + syntax;
+  return own;
 }
 
-}  // namespace
-
-StereoCalibration readCalibration(const std::string& path, cv::Size size_px) {
-  const std::map<std::string, double> numbers = readNumbers(path);
+StereoCameras camerasOf(const std::map<std::string, double>& numbers, const ImageFormat& images) {
   StereoCalibration calibration;
-  calibration.size_px = size_px;
+  calibration.size_px = images.size_px;
   calibration.fx_px = numbers.at("fx");
   calibration.fy_px = numbers.at("fy");
   calibration.cx_px = numbers.at("cx");
   calibration.cy_px = numbers.at("cy");
   calibration.cx_right_px = calibration.cx_px + numbers.at("doffs");
   calibration.baseline_m = numbers.at("baseline");
-  try {
-    return StereoGeometry(calibration).calibration();  // refuses impossible numbers
-  } catch (const std::invalid_argument& error) {
-    fail(path, error.what());
+  return tools::camerasOf(StereoGeometry(calibration).calibration());  // refuses impossible numbers
+}
+
+void requireSize(const sensor_msgs::CameraInfo& camera, const cv::Size& images) {
+  if (cv::Size(static_cast<int>(camera.width), static_cast<int>(camera.height)) == images) return;
+  throw std::runtime_error("it is for images of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                           ", these are " + std::to_string(images.width) + "x" + std::to_string(images.height) +
+                           ": calibrate, or record, in one size");
+}
+
+/// @throws std::exception naming what is impossible.
+void check(const StereoCameras& cameras, const ImageFormat& images) {
+  requireSize(cameras.left, images.size_px);
+  requireSize(cameras.right, images.size_px);
+  if (!areRectified(cameras)) {
+    isEquidistant(cameras.left);  // refuses lenses that cannot be computed with
+    isEquidistant(cameras.right);
   }
+  const StereoCameras rectified = tools::rectified(cameras);
+  StereoGeometry{flight_corridor_ros::toCalibration(rectified.left, rectified.right)};
+}
+
+StereoCameras readTexts(const CalibrationTexts& texts, const ImageFormat& images) {
+  const OwnNumbers own = readNumbers(texts.front());
+  if (own.faults.empty()) return camerasOf(own.numbers, images);
+  const Kind* kind = recognise(texts.front());
+  if (!kind) throw std::runtime_error(own.faults + ". " + kOwn);
+  if (!kind->read) throw std::runtime_error(own.faults + "; it looks like " + kind->name + ". " + kind->conversion);
+  try {
+    const StereoCameras cameras = kind->read(texts, images);
+    check(cameras, images);
+    return cameras;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string(error.what()) + " (read as " + kind->name + ")");
+  }
+}
+
+}  // namespace
+
+StereoCameras readCalibration(const std::vector<std::string>& paths, const ImageFormat& images) {
+  CalibrationTexts texts;
+  std::string names;
+  for (const std::string& path : paths) {
+    texts.push_back(readText(path));
+    names += (names.empty() ? "" : ", ") + path;
+  }
+  if (texts.empty()) throw std::runtime_error("no calibration file is given");
+  try {
+    return readTexts(texts, images);
+  } catch (const std::exception& error) {
+    fail(names, error.what());
+  }
+}
+
+std::string calibrationKinds() {
+  return "one file: fx fy cx cy doffs [px], baseline [m] of a rectified pair; Kalibr camchain; OpenCV YAML (K1 D1 K2 "
+         "D2 "
+         "R T,\nor R1 P1 R2 P2; T in metres); KITTI calib.txt; Middlebury calib.txt; ZED factory .conf.\n"
+         "Two files, left and right: EuRoC sensor.yaml; camera_calibration's ost.yaml or camera_info; OpenCV's "
+         "intrinsics.yml, extrinsics.yml.\n";
 }
 
 }  // namespace flight_corridor::tools

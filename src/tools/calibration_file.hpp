@@ -2,16 +2,25 @@
 
 #include <opencv2/core/types.hpp>
 #include <string>
+#include <vector>
 
-#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "tools/stereo_cameras.hpp"
 
 namespace flight_corridor::tools {
 
-/// Reads a rectified pair's calibration: YAML with the keys fx fy cx cy doffs [px] and baseline [m]; cx_right = cx +
-/// doffs. Other keys may be there.
-/// @param size_px of the images.
-/// @throws std::runtime_error naming the file and every key that is missing or no number, what is impossible, and,
-/// where another tool's file is recognised, which and how its numbers are converted.
-StereoCalibration readCalibration(const std::string& path, cv::Size size_px);
+/// What a calibration is for.
+struct ImageFormat {
+  cv::Size size_px;
+  bool is_colour = false;  ///< KITTI's grey and colour pairs have calibrations of their own.
+};
+
+/// Reads a pair's calibration from one file, or from two: left, right. What is in it tells its kind; calibrationKinds()
+/// lists those that are read. Baselines of Middlebury and ZED files are in millimetres, all others in metres.
+/// @throws std::runtime_error naming the files and every key that is missing or no number, what is impossible, and,
+/// where a file of another kind is recognised, which, and how its numbers are converted.
+StereoCameras readCalibration(const std::vector<std::string>& paths, const ImageFormat& images);
+
+/// The kinds of files that are read, a line each, for --help.
+std::string calibrationKinds();
 
 }  // namespace flight_corridor::tools

@@ -61,7 +61,7 @@ int characterizeNoise(const CommandLine& options) {
   config.core.scale.enabled = false;          // it would pull D_c to d_L
   config.core.fusion.gate_sigma = kInfinity;  // it would refuse the noise's tails
   const std::string path = options.text("bag");
-  const StereoBagReader bag(path, topicsFrom(options));
+  const StereoBagReader bag(path, topicsFrom(options), readingFrom(options));
   const Samples samples = collect(bag, config, wanted);
   const SampleStatistics stereo = statistics(samples.stereo_m), lidar = statistics(samples.lidar_m);
   check(stereo, wanted, path + ": D_c");
@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
       .optional("samples", "N", "samples to use of each range", "150")
       .optional("config", "C.yaml", "configuration of the node; default: its defaults")
       .repeatable("set", "key=value", "overrides one key, e.g. stereo/mode=sgbm");
-  declareTopics(options);
+  declareBag(options);
   options.notes(
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
       "configuration, with scale correction switched off; refuses recordings that moved. stereo_variance_m2 adds to "

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "flight_corridor/corridor/corridor.hpp"
+#include "ros/conversions.hpp"
 #include "tools/calibration_file.hpp"
 #include "tools/csv.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLongestPeriod_s = 10.0;  // of a recording that anybody flies by
+constexpr std::size_t kStampDigits = 19;   // of nanoseconds since 1970, today
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(path.string() + ": " + what);
@@ -41,14 +43,39 @@ bool isNumber(const fs::path& path) {
   return std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
+struct Layout {
+  const char *left, *right;
+};
+constexpr Layout kLayouts[] = {{"left", "right"},
+                               {"mav0/cam0/data", "mav0/cam1/data"},
+                               {"cam0/data", "cam1/data"},
+                               {"image_2", "image_3"},
+                               {"image_0", "image_1"}};
+
+const Layout& layoutOf(const fs::path& folder) {
+  for (const Layout& layout : kLayouts) {
+    if (fs::is_directory(folder / layout.left)) return layout;
+  }
+  fail(folder / kLayouts[0].left, "no such folder");
+}
+
+/// Whether an image is called by the nanoseconds of its stamp, of the years 2001 to 2096.
+bool isStamp(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  return isNumber(path) && stem.size() == kStampDigits && '1' <= stem[0] && stem[0] <= '3';
+}
+
 std::vector<ImagePair> listPairs(const fs::path& folder) {
-  const fs::path left = folder / "left";
-  if (!fs::is_directory(left)) fail(left, "no such folder");
+  const Layout& layout = layoutOf(folder);
+  const fs::path left = folder / layout.left;
   std::vector<ImagePair> pairs;
   for (const fs::directory_entry& entry : fs::directory_iterator(left)) {
-    const fs::path right = folder / "right" / entry.path().filename();
-    if (!fs::exists(right)) fail(right, "is missing, but " + entry.path().string() + " is there");
-    pairs.push_back({entry.path().string(), right.string()});
+    const fs::path right = folder / layout.right / entry.path().filename();
+    if (fs::exists(right)) {
+      pairs.push_back({entry.path().string(), right.string()});
+    } else if (!isStamp(right) || !fs::is_directory(folder / layout.right)) {  // else one that the camera dropped
+      fail(right, "is missing, but " + entry.path().string() + " is there");
+    }
   }
   if (pairs.empty()) fail(left, "holds no images");
   std::sort(pairs.begin(), pairs.end(), [](const ImagePair& a, const ImagePair& b) {
@@ -57,6 +84,22 @@ std::vector<ImagePair> listPairs(const fs::path& folder) {
     return is_number ? strverscmp(a.left.c_str(), b.left.c_str()) < 0 : a.left < b.left;  // 2.png before 10.png
   });
   return pairs;
+}
+
+/// Files that the folder holds itself.
+std::vector<std::string> calibrationOf(const fs::path& folder) {
+  static const std::vector<std::vector<std::string>> usual{{"calib.yaml"},
+                                                           {"calib.txt"},
+                                                           {"mav0/cam0/sensor.yaml", "mav0/cam1/sensor.yaml"},
+                                                           {"cam0/sensor.yaml", "cam1/sensor.yaml"},
+                                                           {"left.yaml", "right.yaml"}};
+  std::vector<std::string> paths;
+  for (const std::vector<std::string>& names : usual) {
+    if (!fs::exists(folder / names.front())) continue;
+    for (const std::string& name : names) paths.push_back((folder / name).string());
+    return paths;
+  }
+  return {(folder / "calib.yaml").string()};
 }
 
 /// Stamps in a smaller unit, counted from the recording's start, look like seconds that are far apart.
@@ -68,12 +111,21 @@ void requireSeconds(const std::vector<ros::Time>& stamps, const fs::path& path) 
                  std::to_string(kLongestPeriod_s) + " s: are these milliseconds, microseconds or nanoseconds? Divide");
 }
 
+ros::Time stampOf(const fs::path& image) {
+  ros::Time stamp;
+  return stamp.fromNSec(std::stoull(image.stem().string()));
+}
+
 std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_hz) {
   const std::vector<ImagePair> pairs = listPairs(folder);
   std::vector<Stamped<ImagePair>> stamped;
   const fs::path path = folder / "timestamps.csv";
   if (!fs::exists(path)) {
-    for (const ImagePair& pair : pairs) stamped.push_back({ros::Time(stamped.size() / rate_hz), pair});
+    const bool are_stamps =
+        std::all_of(pairs.begin(), pairs.end(), [](const auto& pair) { return isStamp(pair.left); });
+    for (const ImagePair& pair : pairs) {
+      stamped.push_back({are_stamps ? stampOf(pair.left) : ros::Time(stamped.size() / rate_hz), pair});
+    }
     return stamped;
   }
   const CsvTable table(path.string());
@@ -129,15 +181,29 @@ ros::Time start(const FolderRecording& recording) {
   return first;
 }
 
+void readCameras(const std::vector<std::string>& calibration_files, ImageState images, FolderRecording& recording) {
+  const cv::Mat image = readImage(recording.pairs.front().value.left);
+  recording.image_size_px = image.size();
+  const StereoCameras cameras = readCalibration(calibration_files, {image.size(), image.channels() > 1});
+  const bool are_raw = areRaw(images, "", cameras);
+  if (are_raw) recording.rectifier = std::make_shared<const Rectifier>(cameras);
+  if (!are_raw && cameras.is_rectification_computed) {
+    fail(calibration_files.front(),
+         "tells of raw images only, not how these were rectified: leave out --rectified where they are raw");
+  }
+  const StereoCameras ideal = rectified(cameras);
+  recording.rig.calibration = flight_corridor_ros::toCalibration(ideal.left, ideal.right);
+}
+
 }  // namespace
 
-FolderRecording readFolder(const std::string& folder, double rate_hz) {
+FolderRecording readFolder(const std::string& folder, const FolderReading& reading) {
   if (!fs::is_directory(folder)) fail(folder, "no such folder");
   const fs::path path(folder);
   FolderRecording recording;
-  recording.pairs = stampPairs(path, rate_hz);
-  const cv::Size size = readImage(recording.pairs.front().value.left).size();
-  recording.rig.calibration = readCalibration((path / "calib.yaml").string(), size);
+  recording.pairs = stampPairs(path, reading.rate_hz);
+  readCameras(reading.calibration_files.empty() ? calibrationOf(path) : reading.calibration_files, reading.images,
+              recording);
   recording.rig.T_B_C = opticalFromForward().inverse();
   recording.ranges_m = readRanges(path / "range.csv");
   recording.poses_W_B = readPoses(path / "poses.csv", opticalFromForward());
@@ -158,9 +224,13 @@ void writeBag(const FolderRecording& recording, const std::string& bag_path, con
     bag.writeRange(range.stamp, reading);
   }
   for (const auto& pair : recording.pairs) {
-    const cv::Mat left = readImage(pair.value.left), right = readImage(pair.value.right);
-    requireSize(left, recording.rig.calibration.size_px, pair.value.left);
-    requireSize(right, recording.rig.calibration.size_px, pair.value.right);
+    cv::Mat left = readImage(pair.value.left), right = readImage(pair.value.right);
+    requireSize(left, recording.image_size_px, pair.value.left);
+    requireSize(right, recording.image_size_px, pair.value.right);
+    if (recording.rectifier) {
+      left = recording.rectifier->left(left);
+      right = recording.rectifier->right(right);
+    }
     bag.writePair(pair.stamp, left, right);
     on_pair();
   }

@@ -13,7 +13,10 @@
 #include <system_error>
 
 #include "ros/conversions.hpp"
+#include "ros/image_scale.hpp"
 #include "ros/memory.hpp"
+#include "tools/bag_file.hpp"
+#include "tools/calibration_file.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
 #include "tools/lost_pairs.hpp"
@@ -23,6 +26,7 @@
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
 #include "tools/stereo_bag_reader.hpp"
+#include "tools/topic_finder.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -52,11 +56,9 @@ PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader&
 
 /// Topics that may be missing must be there when they are named.
 void checkOptionalTopics(const StereoBagReader& bag, const CommandLine& options) {
-  if (options.given("range")) bag.requireRanges();
+  if (options.given("range") && options.text("range") != "none") bag.requireRanges();
   if (options.given("imu")) bag.requireImu();
-  if (!bag.hasRanges()) {
-    std::cerr << "replay: " << options.text("bag") << " has no topic " << options.text("range") << ": stereo alone\n";
-  }
+  if (!bag.hasRanges()) std::cerr << "replay: " << options.text("bag") << ": no ranges: stereo alone\n";
 }
 
 /// Verdicts as messages in a bag of their own.
@@ -117,11 +119,12 @@ void requirePairs(const std::string& path, std::size_t pairs, const std::string&
   std::cerr << "replay: " << path << ": only " << lost << "\n";
 }
 
-/// The image in colour where it has colour.
-cv_bridge::CvImageConstPtr picture(const sensor_msgs::ImageConstPtr& message) {
+/// The image, in colour where it has colour; shares the message's data where nothing is to be done.
+cv::Mat picture(const sensor_msgs::ImageConstPtr& message, double scale) {
   namespace encodings = sensor_msgs::image_encodings;
-  return encodings::isColor(message->encoding) ? cv_bridge::toCvShare(message, encodings::BGR8)
-                                               : flight_corridor_ros::toGrey(message);
+  const auto image = encodings::isColor(message->encoding) ? cv_bridge::toCvShare(message, encodings::BGR8)
+                                                           : flight_corridor_ros::toGrey(message);
+  return flight_corridor_ros::scaled(image->image, scale);
 }
 
 /// @throws std::runtime_error when an output would overwrite the bag or the configuration that is being read.
@@ -138,11 +141,30 @@ void keepInput(const CommandLine& options) {
   }
 }
 
+/// What the bag holds, and what of it a replay would read.
+int list(const CommandLine& options) {
+  const std::string path = options.text("bag");
+  rosbag::Bag bag;
+  openBag(path, bag);
+  std::printf("%s", listTopics(bag).c_str());
+  std::string would_read;
+  try {
+    would_read = "replay reads: " + StereoBagReader(path, topicsFrom(options), readingFrom(options)).describe();
+  } catch (const std::runtime_error& error) {
+    would_read = "replay does not read it: " + std::string(error.what());
+  }
+  std::printf("%s\n", would_read.c_str());
+  return 0;
+}
+
 int replay(const CommandLine& options) {
+  if (options.given("list")) return list(options);
+  if (!options.given("csv")) throw UsageError("missing: --csv R.csv");
   keepInput(options);
   const flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
   const std::string path = options.text("bag");
-  const StereoBagReader bag(path, topicsFrom(options));
+  const StereoBagReader bag(path, topicsFrom(options), readingFrom(options));
+  std::cerr << "replay: " << bag.describe() << "\n";
   checkOptionalTopics(bag, options);
   Pictures pictures(pictureOptions(options, bag));
   std::optional<VerdictBag> verdicts;
@@ -162,7 +184,7 @@ int replay(const CommandLine& options) {
     const ResultRow row = resultRow(answer.messages.header.stamp, answer.report);
     if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
     if (answer.pipeline)
-      pictures.add(rows.size(), picture(answer.messages.left)->image, *answer.pipeline, answer.report);
+      pictures.add(rows.size(), picture(answer.messages.left, config.ros.scale), *answer.pipeline, answer.report);
     if (verdicts) verdicts->add(answer);
     rows.push_back(row);
     progress.advance();
@@ -186,7 +208,8 @@ int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
   CommandLine options("replay", "Runs the corridor pipeline on a bag.");
   options.required("bag", "F.bag", "bag to read")
-      .required("csv", "R.csv", "table to write, a line per stereo pair")
+      .optional("csv", "R.csv", "table to write, a line per stereo pair; needed unless --list")
+      .flag("list", "print the bag's topics, type, count and rate, and what would be read, and do no more")
       .optional("config", "C.yaml", "configuration of the node; default: its defaults")
       .repeatable("set", "key=value", "overrides one key, e.g. map/frame_id=odom")
       .optional("out", "G.bag", "bag to write: the verdicts as messages")
@@ -198,8 +221,15 @@ int main(int argc, char** argv) {
       .optional("overlay-every", "N", "... and one at every N frames", "0")
       .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")
       .optional("video", "V.avi", "video of overlay, depth and the map from above");
-  declareTopics(options);
-  options.notes("The node's pipeline without a master: the same bag gives the same table, times aside.");
+  declareBag(options);
+  options.notes(
+      "The node's pipeline without a master: the same bag gives the same table, times aside.\n"
+      "Images are taken for raw, and rectified, where their CameraInfo or the calibration has distortion or a "
+      "rotation\n"
+      "and no word of their topic's name begins with \"rect\". Where an imu is not named, it is used when it is the "
+      "only\n"
+      "one. --calib takes\n" +
+      calibrationKinds());
   flight_corridor_ros::keepFreedMemory();
   return runTool(options, argc, argv, [&] { return replay(options); });
 }

@@ -3,6 +3,8 @@
 #include <ros/console.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <sstream>
 
 #include "ros/values.hpp"
 
@@ -15,6 +17,26 @@ namespace shell = flight_corridor_ros;
 shell::NodeConfig withoutWaiting(shell::NodeConfig config) {
   config.ros.tf_timeout_s = 0.0;
   return config;
+}
+
+/// "x y z yaw pitch roll", as static_transform_publisher turns: about z, then y, then x.
+Eigen::Isometry3d parseMounting(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (*end != '\0' || !std::isfinite(numbers.back()))
+      throw UsageError("--lidar-at: '" + word + "' is no finite number");
+  }
+  if (numbers.size() != 6) {
+    throw UsageError("--lidar-at: wanted are six numbers, \"X Y Z YAW PITCH ROLL\" (" + std::to_string(numbers.size()) +
+                     ")");
+  }
+  return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) *
+         Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(numbers[5], Eigen::Vector3d::UnitX());
 }
 
 void showWarningsOnly() {
@@ -32,19 +54,36 @@ shell::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std
   return shell::makeConfig(values);
 }
 
-void declareTopics(CommandLine& options) {
-  const StereoTopics topics;
-  options.optional("left", "TOPIC", "left rectified image", topics.left)
-      .optional("left-info", "TOPIC", "left CameraInfo", topics.left_info)
-      .optional("right", "TOPIC", "right rectified image", topics.right)
-      .optional("right-info", "TOPIC", "right CameraInfo", topics.right_info)
-      .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range); may be missing unless named", topics.range)
-      .optional("imu", "TOPIC", "imu (sensor_msgs/Imu); may be missing unless named", topics.imu);
+void declareBag(CommandLine& options) {
+  options.optional("left", "TOPIC", "left image; where it is not named, topics are found by type and name, see --list")
+      .optional("left-info", "TOPIC", "left CameraInfo")
+      .optional("right", "TOPIC", "right image")
+      .optional("right-info", "TOPIC", "right CameraInfo")
+      .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range), or none; may be missing unless named")
+      .optional("imu", "TOPIC", "imu (sensor_msgs/Imu); may be missing unless named")
+      .repeatable("calib", "FILE", "calibration in place of CameraInfos; where each camera has a file: left first")
+      .flag("raw", "the images are raw: rectify them")
+      .flag("rectified", "the images are rectified, whatever their topic is called")
+      .optional(
+          "lidar-at", "\"X Y Z YAW PITCH ROLL\"",
+          "where the LiDAR sits, in place of tf: from the left camera x forward, y left, z up [m], beam along its "
+          "+x, angles as static_transform_publisher's [rad]");
 }
 
 StereoTopics topicsFrom(const CommandLine& options) {
   return {options.text("left"),       options.text("left-info"), options.text("right"),
           options.text("right-info"), options.text("range"),     options.text("imu")};
+}
+
+BagReading readingFrom(const CommandLine& options) {
+  BagReading reading;
+  reading.calibration_files = options.all("calib");
+  if (options.given("raw") && options.given("rectified"))
+    throw UsageError("--raw and --rectified contradict each other");
+  if (options.given("raw")) reading.images = ImageState::Raw;
+  if (options.given("rectified")) reading.images = ImageState::Rectified;
+  if (options.given("lidar-at")) reading.T_F_L = parseMounting(options.text("lidar-at"));
+  return reading;
 }
 
 Replayer::Replayer(const StereoBagReader& bag, const shell::NodeConfig& config)

@@ -18,9 +18,14 @@ namespace flight_corridor::tools {
 /// @throws std::invalid_argument naming what is wrong with the file or its keys.
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
-/// Declares --left, --left-info, --right, --right-info, --range and --imu.
-void declareTopics(CommandLine& options);
+/// Declares --left, --left-info, --right, --right-info, --range and --imu, and what a bag does not tell: --calib,
+/// --raw,
+/// --rectified and --lidar-at.
+void declareBag(CommandLine& options);
+/// @return what is not named is empty.
 StereoTopics topicsFrom(const CommandLine& options);
+/// @throws UsageError naming an option that contradicts another, or --lidar-at when it is not six numbers.
+BagReading readingFrom(const CommandLine& options);
 
 /// What became of one pair.
 struct Answer {

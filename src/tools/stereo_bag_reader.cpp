@@ -7,15 +7,21 @@
 #include <ros/console.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/image_encodings.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 #include "ros/heartbeat.hpp"
 #include "ros/transforms.hpp"
 #include "tools/bag_file.hpp"
+#include "tools/calibration_file.hpp"
 #include "tools/compressed_image.hpp"
+#include "tools/topic_finder.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -29,13 +35,33 @@ std::string typeOf() {
   return ros::message_traits::datatype<Message>();
 }
 
+constexpr char kLidarFrame[] = "lidar_at_left_camera", kCameraFrame[] = "left_camera";
+
+/// The image of a topic that holds raw or compressed ones; empty where it cannot be decoded.
+sensor_msgs::ImagePtr readAnyImage(const rosbag::Bag& bag, const rosbag::MessageInstance& message) {
+  return message.isType<CompressedImage>() ? decompress(*read<CompressedImage>(bag, message))
+                                           : read<Image>(bag, message);
+}
+
+/// @throws std::runtime_error when the topic holds none.
+rosbag::MessageInstance first(const rosbag::Bag& bag, const std::string& topic) {
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  if (view.size() == 0) failMissing(bag, "no message of topic " + topic);
+  return *view.begin();
+}
+
+}  // namespace
+
 /// Left, right and their infos, put together by the stamps in their headers.
 template <typename Policy>
-class PairBuilder {
+class StereoBagReader::PairBuilder {
  public:
-  PairBuilder(const rosbag::Bag& bag, const StereoTopics& topics, const Policy& policy,
-              std::function<void(const RecordedPair&)> on_pair)
-      : bag_(bag), synchronizer_(policy, left_, left_info_, right_, right_info_), on_pair_(std::move(on_pair)) {
+  PairBuilder(const rosbag::Bag& bag, const StereoTopics& topics, const Rectification& rectification,
+              const Policy& policy, std::function<void(const RecordedPair&)> on_pair)
+      : bag_(bag),
+        rectification_(rectification),
+        synchronizer_(policy, left_, left_info_, right_, right_info_),
+        on_pair_(std::move(on_pair)) {
     heard_[0].topic = topics.left;
     heard_[1].topic = topics.left_info;
     heard_[2].topic = topics.right;
@@ -46,14 +72,19 @@ class PairBuilder {
   void add(const rosbag::MessageInstance& message) {
     now_ = message.getTime();
     const std::string topic = message.getTopic();
-    if (topic == heard_[0].topic) add(readImage(message), heard_[0], left_);
+    const auto& cameras = rectification_.cameras;
+    if (topic == heard_[0].topic) addImage(message, 0, left_, cameras ? &cameras->left : nullptr, left_info_);
     if (topic == heard_[1].topic) add(read<CameraInfo>(bag_, message), heard_[1], left_info_);
-    if (topic == heard_[2].topic) add(readImage(message), heard_[2], right_);
+    if (topic == heard_[2].topic) addImage(message, 2, right_, cameras ? &cameras->right : nullptr, right_info_);
     if (topic == heard_[3].topic) add(read<CameraInfo>(bag_, message), heard_[3], right_info_);
   }
 
-  /// Of what came so far.
-  const PairStamps& heard() const { return heard_; }
+  /// Of what came so far. What a file tells is never missing.
+  PairStamps heard() const {
+    PairStamps heard = heard_;
+    if (rectification_.cameras) heard[1].stamps = heard[3].stamps = heard_[0].stamps;
+    return heard;
+  }
 
  private:
   template <typename Message>
@@ -63,6 +94,18 @@ class PairBuilder {
     if (flight_corridor_ros::isPossible(message->header.stamp)) {
       partner.add(ros::MessageEvent<const Message>(message, now_));
     }
+  }
+
+  /// @param camera of a file, to go with the image; null: it comes as CameraInfo.
+  void addImage(const rosbag::MessageInstance& message, std::size_t place, message_filters::PassThrough<Image>& partner,
+                const CameraInfo* camera, message_filters::PassThrough<CameraInfo>& info_partner) {
+    const sensor_msgs::ImagePtr image = readImage(message);
+    if (image->header.frame_id.empty()) image->header.frame_id = rectification_.frame;
+    add(image, heard_[place], partner);
+    if (!camera) return;
+    const auto info = boost::make_shared<CameraInfo>(*camera);
+    info->header = image->header;
+    add(info, heard_[place + 1], info_partner);
   }
 
   sensor_msgs::ImagePtr readImage(const rosbag::MessageInstance& message) {
@@ -81,10 +124,13 @@ class PairBuilder {
 
   void handOut(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
                const sensor_msgs::ImageConstPtr& right, const sensor_msgs::CameraInfoConstPtr& right_info) {
-    on_pair_({StereoMessages(left, left_info, right, right_info), now_});
+    const StereoMessages pair(left, left_info, right, right_info);
+    on_pair_({rectification_.is_raw ? rectifier_.rectify(pair) : pair, now_});
   }
 
   const rosbag::Bag& bag_;
+  const Rectification& rectification_;
+  PairRectifier rectifier_;
   message_filters::PassThrough<Image> left_, right_;
   message_filters::PassThrough<CameraInfo> left_info_, right_info_;
   message_filters::Synchronizer<Policy> synchronizer_;
@@ -94,17 +140,67 @@ class PairBuilder {
   flight_corridor_ros::Throttle image_warning_;
 };
 
-}  // namespace
-
-StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& topics) : topics_(topics) {
+StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& topics, const BagReading& reading)
+    : reading_(reading) {
   openBag(path, bag_);
-  topics_.left = findImages(topics.left);
-  requireTopic(topics.left_info, typeOf<CameraInfo>());
-  topics_.right = findImages(topics.right);
-  requireTopic(topics.right_info, typeOf<CameraInfo>());
+  const bool has_files = !reading.calibration_files.empty();
+  const StereoTopics found = findTopics(bag_, topics, !has_files);
+  topics_ = found;
+  topics_.left = findImages(found.left);
+  if (!has_files) requireTopic(found.left_info, typeOf<CameraInfo>());
+  topics_.right = findImages(found.right);
+  if (!has_files) requireTopic(found.right_info, typeOf<CameraInfo>());
   if (hasRanges()) requireRanges();
-  if (has(topics.imu)) requireImu();
+  if (has(topics_.imu)) requireImu();
+  if (has_files) {
+    topics_.left_info = topics_.right_info = "";  // nothing is read of them
+    readCalibrationFiles();
+  } else {
+    readCameraInfos();
+  }
   readTransforms();
+}
+
+void StereoBagReader::readCalibrationFiles() {
+  const sensor_msgs::ImagePtr image = readAnyImage(bag_, first(bag_, topics_.left));
+  if (image->data.empty()) failDamaged(bag_.getFileName(), "topic " + topics_.left + ": the first image is empty");
+  const bool is_colour = sensor_msgs::image_encodings::isColor(image->encoding);
+  const cv::Size size(static_cast<int>(image->width), static_cast<int>(image->height));
+  const StereoCameras cameras = readCalibration(reading_.calibration_files, {size, is_colour});
+  rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
+  if (!rectification_.is_raw && cameras.is_rectification_computed) {
+    throw std::runtime_error(reading_.calibration_files.front() + ": tells of raw images only, not how those of " +
+                             topics_.left + " were rectified; if they are raw: --raw");
+  }
+  rectification_.cameras = rectification_.is_raw ? cameras : rectified(cameras);
+}
+
+void StereoBagReader::readCameraInfos() {
+  if (!mayBeRaw(reading_.images, topics_.left)) return;
+  const StereoCameras cameras{*read<CameraInfo>(bag_, first(bag_, topics_.left_info)),
+                              *read<CameraInfo>(bag_, first(bag_, topics_.right_info))};
+  rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
+  if (!rectification_.is_raw) return;
+  try {
+    isEquidistant(cameras.left);
+    isEquidistant(cameras.right);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(bag_.getFileName() + ": the images of " + topics_.left + " cannot be rectified by " +
+                             topics_.left_info + ", " + topics_.right_info + ": " + error.what() +
+                             ". Give a calibration with --calib; if they are rectified: --rectified");
+  }
+}
+
+std::string StereoBagReader::describe() const {
+  const auto orNone = [&](const std::string& topic) { return has(topic) ? topic : "none"; };
+  std::string calibration = topics_.left_info + ", " + topics_.right_info;
+  if (rectification_.cameras) {
+    calibration.clear();
+    for (const std::string& file : reading_.calibration_files) calibration += (calibration.empty() ? "" : ", ") + file;
+  }
+  return "left " + topics_.left + ", right " + topics_.right +
+         (rectification_.is_raw ? ": raw, rectified by " : ": rectified already, calibration of ") + calibration +
+         "; range " + orNone(topics_.range) + "; imu " + orNone(topics_.imu);
 }
 
 bool StereoBagReader::has(const std::string& topic) const { return typesByTopic(bag_).count(topic) > 0; }
@@ -131,6 +227,7 @@ void StereoBagReader::requireTopic(const std::string& topic, const std::string& 
 }
 
 void StereoBagReader::readTransforms() {
+  if (reading_.T_F_L) rectification_.frame = kCameraFrame;
   const std::vector<std::string> topics{kTransformTopic, kStaticTransformTopic};
   for (const rosbag::MessageInstance& message : rosbag::View(bag_, rosbag::TopicQuery(topics))) {
     transforms_.push_back(
@@ -153,10 +250,22 @@ void StereoBagReader::requireRanges() const { requireTopic(topics_.range, typeOf
 
 void StereoBagReader::requireImu() const { requireTopic(topics_.imu, typeOf<sensor_msgs::Imu>()); }
 
+/// Of the LiDAR, told by hand.
+geometry_msgs::TransformStamped StereoBagReader::mounting() const {
+  geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
+  const std::string frame =
+      flight_corridor_ros::withoutSlash(readAnyImage(bag_, first(bag_, topics_.left))->header.frame_id);
+  mounting.header.frame_id = frame.empty() ? kCameraFrame : frame;
+  mounting.header.stamp = rosbag::View(bag_).getBeginTime();
+  mounting.child_frame_id = kLidarFrame;
+  return mounting;
+}
+
 template <typename Policy>
 PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration& tf_timeout,
                                       const Listener& listener) const {
-  PairBuilder<Policy> builder(bag_, topics_, policy, listener.on_pair);
+  PairBuilder<Policy> builder(bag_, topics_, rectification_, policy, listener.on_pair);
+  if (reading_.T_F_L) listener.on_transform(mounting(), true);
   const std::vector<std::string> wanted{topics_.left,       topics_.left_info, topics_.right,
                                         topics_.right_info, topics_.range,     topics_.imu};
   auto next = transforms_.begin();
@@ -165,7 +274,9 @@ PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration&
       for (const auto& transform : next->message->transforms) listener.on_transform(transform, next->is_static);
     }
     if (message.getTopic() == topics_.range) {
-      listener.on_range(read<sensor_msgs::Range>(bag_, message));
+      const auto range = read<sensor_msgs::Range>(bag_, message);
+      if (reading_.T_F_L) range->header.frame_id = kLidarFrame;
+      listener.on_range(range);
     } else if (message.getTopic() == topics_.imu) {
       listener.on_imu(read<sensor_msgs::Imu>(bag_, message));
     } else {

@@ -6,13 +6,16 @@
 #include <sensor_msgs/Range.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <Eigen/Geometry>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ros/params.hpp"
 #include "ros/stereo_subscriber.hpp"
 #include "tools/lost_pairs.hpp"
+#include "tools/pair_rectifier.hpp"
 #include "tools/stereo_topics.hpp"
 
 namespace flight_corridor::tools {
@@ -27,14 +30,25 @@ struct RecordedPair : StereoMessages {
   ros::Time recorded;
 };
 
-/// Reads a bag as the node would hear it.
+/// What a bag does not tell.
+struct BagReading {
+  std::vector<std::string> calibration_files = {};  ///< In place of CameraInfos; see readCalibration.
+  ImageState images = ImageState::AsNamed;
+  std::optional<Eigen::Isometry3d> T_F_L = {};  ///< LiDAR in frame F at the left camera: x forward, y left, z up.
+};
+
+/// Reads a bag as the node would hear it. Raw images are rectified.
 class StereoBagReader {
  public:
   /// Opens the bag. An image topic that is not in it as sensor_msgs/Image is read as sensor_msgs/CompressedImage, under
   /// its own name or with "/compressed" behind it.
+  /// @param topics those that are empty are found by type and name, see findTopics.
   /// @throws std::runtime_error naming the file when it is damaged, and the topic that is not in it or has another
-  /// type, with what is there.
-  StereoBagReader(const std::string& path, const StereoTopics& topics);
+  /// type, with what is there; and a calibration by which raw images cannot be rectified.
+  StereoBagReader(const std::string& path, const StereoTopics& topics, const BagReading& reading = {});
+
+  /// One line: which topics are read, and whether their images are rectified here.
+  std::string describe() const;
 
   /// Number of left images, the upper bound of the number of pairs.
   std::size_t leftImages() const;
@@ -69,7 +83,19 @@ class StereoBagReader {
     bool is_static;
   };
 
+  /// How images become rectified pairs.
+  struct Rectification {
+    std::optional<StereoCameras> cameras;  ///< Those of a file; else the bag's CameraInfos tell.
+    bool is_raw = false;
+    std::string frame;  ///< Of images that name none.
+  };
+  template <typename Policy>
+  class PairBuilder;
+
   bool has(const std::string& topic) const;
+  void readCalibrationFiles();
+  void readCameraInfos();
+  geometry_msgs::TransformStamped mounting() const;
   std::string findImages(const std::string& named) const;
   void requireTopic(const std::string& topic, const std::string& type) const;
   void readTransforms();
@@ -77,6 +103,8 @@ class StereoBagReader {
   PairStamps playPairs(const Policy& policy, const ros::Duration& tf_timeout, const Listener& listener) const;
 
   StereoTopics topics_;
+  BagReading reading_;
+  Rectification rectification_;
   rosbag::Bag bag_;
   std::vector<RecordedTransforms> transforms_;
 };

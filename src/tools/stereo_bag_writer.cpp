@@ -2,14 +2,12 @@
 
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
-#include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <cstdint>
-
 #include "ros/conversions.hpp"
+#include "tools/stereo_cameras.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -20,8 +18,6 @@ constexpr char kCameraFrame[] = "stereo_left_optical";
 constexpr char kRangeFrame[] = "range_link";
 const ros::Duration kImageDelay(0.001);  // images are recorded after readings and poses of the same stamp
 
-using sensor_msgs::CameraInfo;
-
 geometry_msgs::TransformStamped stampedTransform(const Eigen::Isometry3d& T_parent_child, const ros::Time& stamp,
                                                  const std::string& parent, const std::string& child) {
   geometry_msgs::TransformStamped message = tf2::eigenToTransform(T_parent_child);
@@ -29,21 +25,6 @@ geometry_msgs::TransformStamped stampedTransform(const Eigen::Isometry3d& T_pare
   message.header.frame_id = parent;
   message.child_frame_id = child;
   return message;
-}
-
-/// @param shift_m position of the camera along +x of the left one.
-CameraInfo cameraInfo(const StereoCalibration& calibration, double cx_px, double shift_m) {
-  CameraInfo info;
-  info.header.frame_id = kCameraFrame;
-  info.width = static_cast<std::uint32_t>(calibration.size_px.width);
-  info.height = static_cast<std::uint32_t>(calibration.size_px.height);
-  const double fx = calibration.fx_px, fy = calibration.fy_px, cy = calibration.cy_px;
-  info.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
-  info.D.resize(5, 0.0);
-  info.K = {fx, 0, cx_px, 0, fy, cy, 0, 0, 1};
-  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  info.P = {fx, 0, cx_px, -fx * shift_m, 0, fy, cy, 0, 0, 0, 1, 0};
-  return info;
 }
 
 sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const cv::Mat& image) {
@@ -54,8 +35,10 @@ sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const cv::Mat
 }  // namespace
 
 StereoBagWriter::StereoBagWriter(const std::string& path, const BagRig& rig, const ros::Time& start) : bag_(path) {
-  left_info_ = cameraInfo(rig.calibration, rig.calibration.cx_px, 0.0);
-  right_info_ = cameraInfo(rig.calibration, rig.calibration.cx_right_px, rig.calibration.baseline_m);
+  const StereoCameras cameras = camerasOf(rig.calibration);
+  left_info_ = cameras.left;
+  right_info_ = cameras.right;
+  left_info_.header.frame_id = right_info_.header.frame_id = kCameraFrame;
   writeStaticTransforms(rig, start);
 }
 

@@ -45,7 +45,7 @@ void import(std::string text) try {
       fuzz::scratchFile(name, part);
     }
   }
-  const FolderRecording recording = readFolder(fuzz::scratchFolder().path(""), kRate_hz);
+  const FolderRecording recording = readFolder(fuzz::scratchFolder().path(""), {kRate_hz});
   writeBag(recording, fuzz::scratchFolder().path("recording.bag"), [] {});
 } catch (const std::runtime_error& error) {
   const std::string folder = fuzz::scratchFolder().path("");

@@ -42,7 +42,9 @@ class StereoGeometry {
 
   /// What a pixel covers of a surface that faces the camera: Z/f = B/d, along the row.  @return its edge [m]; NaN
   /// unless d > 0.
-  double pixelEdge(double disparity_px) const { return depth(disparity_px) / calibration_.fx_px; }
+  double pixelEdge(double disparity_px) const {
+    return disparity_px > 0.0 ? calibration_.baseline_m / disparity_px : kNaN;
+  }
 
   /// sigma_Z = Z^2/(f*B) * sigma_d, first-order propagation of Z = f*B/d.  @return [m].
   double depthSigma(double depth_m, double disparity_sigma_px) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <opencv2/core/mat.hpp>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -34,7 +35,10 @@ class ScaleCorrection {
               double expected_sigma_px);
 
   /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
-  double correct(double disparity_px) const;
+  double correct(double disparity_px) const {
+    if (!(disparity_px > 0.0)) return kNaN;
+    return std::clamp(applied_[0] * disparity_px + applied_[1], least_ * disparity_px, most_ * disparity_px);
+  }
 
   /// Depth after / depth before correction at a disparity [-].
   double scale(double disparity_px) const { return disparity_px / correct(disparity_px); }
@@ -49,6 +53,7 @@ class ScaleCorrection {
   Eigen::Vector2d significant() const;
 
   ScaleConfig config_;
+  double least_, most_;  // corrected disparity over disparity
   double stamp_s_ = kNaN;
   Eigen::Vector2d mean_{1.0, 0.0};  // a [-], b [px]
   Eigen::Matrix2d covariance_;

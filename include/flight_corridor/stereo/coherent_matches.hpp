@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor {
@@ -13,12 +14,14 @@ namespace flight_corridor {
 class CoherentMatches {
  public:
   /// @param smallest_obstacle_m edge of a square: patches with less than its area of best matches lose these; 0: none.
-  CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m);
+  /// @param threads that work, the caller's included; the result does not depend on them.
+  CoherentMatches(const StereoGeometry& geometry, double smallest_obstacle_m, int threads);
 
   void setSmallestObstacle(double edge_m) { least_m2_ = edge_m * edge_m; }
 
   /// @param best_px, repeated_px CV_32FC1 of geometry.size(), positive or NaN, a match in one of the two.
-  void keep(cv::Mat& best_px, cv::Mat& repeated_px);
+  /// @return number of best matches that stay.
+  int keep(cv::Mat& best_px, cv::Mat& repeated_px);
 
  private:
   /// What a patch covers, and how much of that is of repeated matches.
@@ -27,16 +30,20 @@ class CoherentMatches {
   };
 
   void labelRow(int v, const cv::Mat& best_px, const cv::Mat& repeated_px);
+  void joinWithAbove(int v);
+  int keepRow(int v, cv::Mat& best_px, cv::Mat& repeated_px) const;
   int root(int label);
   void join(int one, int other);
 
   StereoGeometry geometry_;
-  cv::Size size_;
+  int width_, bands_;
   double least_m2_;
-  std::vector<int> labels_;               // a pixel: of its run along the row
-  std::vector<int> parents_;              // a label: itself, or one of the same patch
-  std::vector<Area> areas_;               // a label; whole at a root
-  std::vector<float> row_px_, above_px_;  // matches of either kind
+  cv::Mat matches_px_;        // of either kind
+  std::vector<int> labels_;   // a pixel: the first one of its run along the row, if any
+  std::vector<int> parents_;  // a label: itself, or one of the same patch
+  std::vector<Area> areas_;   // a label; whole at a root
+  std::vector<int> kept_;     // a band
+  BandWorkers workers_;       // last: they use all of the above
 };
 
 }  // namespace flight_corridor

@@ -38,7 +38,7 @@ class EvidenceMatcher {
 
  private:
   void create(DisparityEvidence& out);
-  void toPixels(DisparityEvidence& out) const;
+  void toPixels(int first, int end, DisparityEvidence& out) const;
 
   cv::Size size_;
   double first_px_;

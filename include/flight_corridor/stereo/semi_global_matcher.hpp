@@ -46,6 +46,9 @@ class SemiGlobalMatcher {
   /// @param left, right rectified, of the constructor's size.  @param out refilled.
   void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out);
 
+  /// For further work on what was found.
+  BandWorkers& workers() { return threads_; }
+
  private:
   struct Worker;
 

@@ -1,0 +1,100 @@
+#include "ros/range_serial_params.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "ros/fields.hpp"
+#include "serial/serial_port.hpp"
+
+namespace flight_corridor_ros {
+
+namespace {
+
+namespace serial = flight_corridor::serial;
+using flight_corridor::Violations;
+
+constexpr double kMostRequests_hz = 100.0;
+
+std::string protocolNames() {
+  std::string names;
+  for (const auto protocol : serial::kProtocols) {
+    names += (names.empty() ? "one of " : ", ") + std::string(toString(protocol));
+  }
+  return names;
+}
+
+std::string baudNames() {
+  std::string names;
+  for (const int rate : serial::baudRates()) names += (names.empty() ? "one of " : ", ") + std::to_string(rate);
+  return names;
+}
+
+/// The protocol that the values name; without one the first, and what is broken.
+serial::Protocol protocolIn(const Values& values, Violations& broken) {
+  const auto found = values.find("protocol");
+  if (found == values.end()) {
+    broken.push_back("protocol: missing; " + protocolNames());
+    return serial::kProtocols.front();
+  }
+  const auto* name = std::get_if<std::string>(&found->second);
+  const auto protocol = name ? serial::parseProtocol(*name) : std::nullopt;
+  if (!protocol) broken.push_back("protocol: " + protocolNames() + " (" + describe(found->second) + ")");
+  return protocol.value_or(serial::kProtocols.front());
+}
+
+/// Refuses NaN, too: each rule says what is accepted.
+Violations check(const RangeSerialConfig& c) {
+  Violations broken;
+  const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {
+    if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
+  };
+  const auto& rates = serial::baudRates();
+  require(!c.port.empty(), "port", "a device, e.g. /dev/ttyUSB0", c.port);
+  require(std::find(rates.begin(), rates.end(), c.baud) != rates.end(), "baud", baudNames(), c.baud);
+  require(!c.frame_id.empty() && c.frame_id.front() != '/', "frame_id", "a frame's name without a slash before it",
+          c.frame_id);
+  require(0.0 < c.field_of_view_rad && c.field_of_view_rad < 1.0, "field_of_view_rad", "above 0, below 1",
+          c.field_of_view_rad);
+  require(0.0 <= c.limits.min_range_m && c.limits.min_range_m < c.limits.max_range_m, "min_range_m",
+          "0 or more, below max_range_m", c.limits.min_range_m);
+  require(c.limits.max_range_m <= 1000.0, "max_range_m", "up to 1000", c.limits.max_range_m);
+  require(0.0 <= c.limits.strength_min && std::isfinite(c.limits.strength_min), "strength_min", "0 or more, finite",
+          c.limits.strength_min);
+  require(hasStrength(c.protocol) || c.limits.strength_min == 0.0, "strength_min",
+          "0: protocol " + std::string(toString(c.protocol)) + " tells no strength", c.limits.strength_min);
+  require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
+  require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
+          "0: protocol " + std::string(toString(c.protocol)) + " cannot be asked", c.request_hz);
+  require(0.1 <= c.silence_s && c.silence_s <= 3600.0, "silence_s", "0.1 to 3600", c.silence_s);
+  return broken;
+}
+
+}  // namespace
+
+RangeSerialConfig makeRangeSerialConfig(const Values& values) {
+  Violations broken;
+  RangeSerialConfig config;
+  config.protocol = protocolIn(values, broken);
+  const serial::SensorDefaults defaults = defaultsOf(config.protocol);
+  config.field_of_view_rad = defaults.field_of_view_rad;
+  config.limits = {defaults.min_range_m, defaults.max_range_m, defaults.strength_min};
+  Values others = values;
+  others.erase("protocol");
+  const Fields fields{{"port", &config.port},
+                      {"baud", &config.baud},
+                      {"frame_id", &config.frame_id},
+                      {"field_of_view_rad", &config.field_of_view_rad},
+                      {"min_range_m", &config.limits.min_range_m},
+                      {"max_range_m", &config.limits.max_range_m},
+                      {"strength_min", &config.limits.strength_min},
+                      {"request_hz", &config.request_hz},
+                      {"silence_s", &config.silence_s}};
+  for (const Violations& part : {assign(others, fields), check(config)}) {
+    broken.insert(broken.end(), part.begin(), part.end());
+  }
+  flight_corridor::throwIfBroken(broken);
+  return config;
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <limits>
+
+namespace flight_corridor::serial {
+
+/// What one frame or line of a LiDAR says, before the sensor's limits are applied.
+struct Measurement {
+  /// [m] REP-117: +inf no return, NaN the sensor says that it is not valid.
+  double range_m = std::numeric_limits<double>::quiet_NaN();
+  /// In the sensor's own unit; NaN: it does not say.
+  double strength = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A frame or line, read.
+struct Parsed {
+  enum class Outcome { Valid, Malformed, WrongChecksum };
+  Outcome outcome = Outcome::Malformed;
+  Measurement measurement;
+};
+
+}  // namespace flight_corridor::serial

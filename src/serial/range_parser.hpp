@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "serial/line_reader.hpp"
+#include "serial/measurement.hpp"
+#include "serial/protocol.hpp"
+#include "serial/tfmini.hpp"
+
+namespace flight_corridor::serial {
+
+/// What a reading must keep to be believed. 0 <= min_range_m < max_range_m.
+struct RangeLimits {
+  double min_range_m, max_range_m;
+  double strength_min;
+};
+
+/// The range of a measurement as REP-117 has it: NaN where it is not valid or weaker than strength_min, -inf nearer
+/// than min_range_m, +inf without a return and from max_range_m on (there sensors clip), else metres.
+double limitedRange(const Measurement& measurement, const RangeLimits& limits);
+
+struct WireReading {
+  double range_m;   ///< limitedRange().
+  double strength;  ///< NaN: the sensor does not say.
+  double stamp_s;   ///< When the first byte of its frame began to arrive.
+};
+
+/// Since the parser was made.
+struct WireCounts {
+  std::uint64_t bytes = 0, readings = 0;
+  std::uint64_t refused_bytes = 0;  ///< Led to no reading: noise, halves, wrong checksums, what no number is.
+  std::uint64_t checksum_errors = 0;
+};
+
+/// Turns the bytes of a LiDAR into readings. How they are cut into pieces changes stamps alone.
+class RangeParser {
+ public:
+  /// @param byte_s how long a byte is on the wire: 10 bits (8N1) over the baud rate.
+  RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s);
+
+  /// Adds the readings that these bytes complete.
+  /// A byte's arrival: so many bytes times byte_s before the read, but no earlier than the read before: then it was not
+  /// there.
+  /// @param read_s when they were read.
+  void feed(const std::uint8_t* bytes, std::size_t size, double read_s, std::vector<WireReading>& readings);
+
+  /// A new stream begins: what was held is refused.
+  void restart();
+
+  const WireCounts& counts() const { return counts_; }
+  /// Bytes that wait for the rest of their frame or line.
+  std::size_t held() const;
+
+ private:
+  struct Framed {
+    Measurement measurement;
+    double stamp_s;
+  };
+
+  std::optional<Framed> add(std::uint8_t byte, double arrival_s);
+  std::optional<Framed> addToLine(LineReader& reader, std::uint8_t byte, double arrival_s);
+  std::optional<Framed> addToFrame(TfminiReader& reader, std::uint8_t byte, double arrival_s);
+  void makeReader();
+
+  Protocol protocol_;
+  RangeLimits limits_;
+  double byte_s_;
+  double previous_read_s_;
+  std::variant<LineReader, TfminiReader> reader_;
+  WireCounts counts_;
+};
+
+}  // namespace flight_corridor::serial

@@ -1,0 +1,68 @@
+#include "serial/tfmini.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace flight_corridor::serial {
+
+namespace {
+
+constexpr std::uint8_t kHeader = 0x59;
+constexpr unsigned kTooWeak = 0xffff, kSaturated = 0xfffe, kAmbientLight = 0xfffc;  // -1, -2, -4 in place of a distance
+constexpr unsigned kOverexposed = 0xffff;                                           // in place of a strength
+constexpr double kCentimetres_m = 0.01;
+
+bool checksumHolds(const TfminiReader::Frame& frame) {
+  return std::accumulate(frame.begin(), frame.end() - 1, 0u) % 256u == frame.back();
+}
+
+unsigned word(const TfminiReader::Frame& frame, std::size_t low) { return frame[low] + 256u * frame[low + 1]; }
+
+}  // namespace
+
+Measurement parseTfmini(const TfminiReader::Frame& frame) {
+  const unsigned distance_cm = word(frame, 2), strength = word(frame, 4);
+  Measurement measurement;
+  measurement.strength = strength;
+  const bool is_error = distance_cm == kTooWeak || distance_cm == kSaturated || distance_cm == kAmbientLight;
+  if (!is_error && strength != kOverexposed) measurement.range_m = kCentimetres_m * distance_cm;
+  return measurement;
+}
+
+std::optional<TfminiReader::Reading> TfminiReader::add(std::uint8_t byte, double arrival_s) {
+  bytes_[size_] = byte;
+  arrivals_s_[size_++] = arrival_s;
+  while (!startsLikeAFrame()) {
+    in_step_ = false;
+    ++refused_;
+    dropFirst(1);
+  }
+  if (size_ < kFrameBytes) return std::nullopt;
+  if (!checksumHolds(bytes_)) {
+    ++checksum_errors_;
+    in_step_ = false;
+    do {
+      ++refused_;
+      dropFirst(1);
+    } while (!startsLikeAFrame());
+    return std::nullopt;
+  }
+  size_ = 0;
+  if (in_step_) return Reading{parseTfmini(bytes_), arrivals_s_[0]};
+  in_step_ = true;
+  refused_ += kFrameBytes;
+  return std::nullopt;
+}
+
+bool TfminiReader::startsLikeAFrame() const {
+  return std::all_of(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(size_, 2)),
+                     [](std::uint8_t byte) { return byte == kHeader; });
+}
+
+void TfminiReader::dropFirst(std::size_t count) {
+  std::copy(bytes_.begin() + count, bytes_.begin() + size_, bytes_.begin());
+  std::copy(arrivals_s_.begin() + count, arrivals_s_.begin() + size_, arrivals_s_.begin());
+  size_ -= count;
+}
+
+}  // namespace flight_corridor::serial

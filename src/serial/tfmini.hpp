@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "serial/measurement.hpp"
+
+namespace flight_corridor::serial {
+
+/// Finds the frames of a Benewake TFmini, TFmini-S, TFmini Plus or TF-Luna in a stream of bytes:
+///   0x59 0x59 distance (cm, low byte first) strength temperature checksum (low byte of the sum of the eight before)
+/// A frame counts when it follows another without a gap: a header within the data of a stream that was entered halfway
+/// passes the checksum once in 256 times, but hardly twice.
+/// Source: TFmini Plus manual SJ-PM-TFmini Plus-T-01, 5.3, table 7; TF-Luna manual SJ-PM-TF-Luna, 5.4.
+class TfminiReader {
+ public:
+  static constexpr std::size_t kFrameBytes = 9;
+  using Frame = std::array<std::uint8_t, kFrameBytes>;
+
+  struct Reading {
+    Measurement measurement;
+    double stamp_s;  ///< When the frame's first byte arrived.
+  };
+
+  /// @return the reading that this byte completes, if it completes one.
+  std::optional<Reading> add(std::uint8_t byte, double arrival_s);
+
+  /// Bytes that led to no reading.
+  std::uint64_t refused() const { return refused_; }
+  std::uint64_t checksumErrors() const { return checksum_errors_; }
+  /// Bytes of the frame that is not complete.
+  std::size_t held() const { return size_; }
+
+ private:
+  bool startsLikeAFrame() const;
+  void dropFirst(std::size_t count);
+
+  Frame bytes_{};
+  std::array<double, kFrameBytes> arrivals_s_{};
+  std::size_t size_ = 0;
+  bool in_step_ = false;  // the bytes begin where a frame ended
+  std::uint64_t refused_ = 0, checksum_errors_ = 0;
+};
+
+/// What a frame says; its header and checksum are not looked at. Not valid: the distances that stand for errors, -1, -2
+/// and -4, and a strength of 65535, which is overexposure (TFmini-S manual SJ-PM-TFmini-S, table 8; TF-Luna, 5.4).
+Measurement parseTfmini(const TfminiReader::Frame& frame);
+
+}  // namespace flight_corridor::serial

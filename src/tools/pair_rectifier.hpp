@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "ros/heartbeat.hpp"
+#include "ros/stereo_subscriber.hpp"
+#include "tools/rectifier.hpp"
+
+namespace flight_corridor::tools {
+
+/// Whether images are raw or rectified.
+enum class ImageState { AsNamed, Raw, Rectified };
+
+/// Whether a pair's images are to be rectified. Unless told, they are raw where their cameras differ from rectified
+/// ones and no part of the topic's name begins with "rect" (image_rect, image_rect_color, image_rectified).
+bool mayBeRaw(ImageState told, const std::string& topic);  ///< As long as nothing is known of the cameras.
+bool areRaw(ImageState told, const std::string& topic, const StereoCameras& cameras);
+
+/// Rectifies raw pairs as messages, anew for each change of their calibration.
+class PairRectifier {
+ public:
+  /// Images become mono8, or bgr8 where they have colour of 8 bit. What cannot be rectified is an empty image, and a
+  /// warning says why.
+  flight_corridor_ros::StereoMessages rectify(const flight_corridor_ros::StereoMessages& raw);
+
+ private:
+  void fit(const StereoCameras& cameras);
+
+  StereoCameras cameras_;
+  std::optional<Rectifier> rectifier_;
+  flight_corridor_ros::Throttle warning_;
+};
+
+}  // namespace flight_corridor::tools

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <sensor_msgs/CameraInfo.h>
+
+#include <Eigen/Geometry>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+
+namespace flight_corridor::tools {
+
+/// The two cameras of a pair, as ROS describes them: K and D tell how a raw image sees, R and P how the rectified image
+/// that is made of it does.
+struct StereoCameras {
+  sensor_msgs::CameraInfo left, right;
+  bool is_rectification_computed =
+      false;  ///< R and P were computed here: of images rectified elsewhere they say nothing.
+};
+
+/// The cameras of a pair that is rectified.
+StereoCameras camerasOf(const StereoCalibration& calibration);
+
+/// Whether raw images of these cameras are rectified images: no distortion, R is the identity, and P sees as K.
+bool areRectified(const StereoCameras& cameras);
+
+/// The cameras that the rectified images have: no distortion, R is the identity, and K sees as P.
+StereoCameras rectified(StereoCameras cameras);
+
+/// Rectifies cameras that stand beside each other: fills R and P such that all pixels of the rectified images are seen
+/// (OpenCV's stereoRectify, alpha = 0).
+/// @param cameras sizes, K and D.
+/// @param T_right_left pose of the left camera in the right one, [m].
+/// @throws std::invalid_argument naming what is impossible: lenses of different models, cameras in one place, a focal
+/// length that no lens has.
+StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left);
+
+/// Whether the lens maps angles to equal distances (cv::fisheye); otherwise it is radial-tangential, also rational.
+/// @throws std::invalid_argument naming a model that is neither, coefficients that it does not have, or an impossible
+/// K.
+bool isEquidistant(const sensor_msgs::CameraInfo& camera);
+
+}  // namespace flight_corridor::tools
