@@ -119,7 +119,7 @@ Reconfigure::Reconfigure(const ros::NodeHandle& private_node, const NodeConfig& 
   spinner_.start();
 }
 
-bool Reconfigure::answer(const dynamic_reconfigure::ReconfigureRequest& request,
+bool Reconfigure::answer(dynamic_reconfigure::ReconfigureRequest& request,
                          dynamic_reconfigure::ReconfigureResponse& response) {
   try {
     const NodeConfig wanted = changed(config_, request.config);

@@ -33,7 +33,7 @@ class Reconfigure {
   Reconfigure(const ros::NodeHandle& private_node, const NodeConfig& config, Inbox& inbox, Apply apply);
 
  private:
-  bool answer(const dynamic_reconfigure::ReconfigureRequest& request,
+  bool answer(dynamic_reconfigure::ReconfigureRequest& request,
               dynamic_reconfigure::ReconfigureResponse& response);
   void announce();
 
