@@ -1,0 +1,50 @@
+#!/usr/bin/python3
+"""The doctor calls a healthy system well, and says which frame is missing where tf has none for the LiDAR."""
+
+import subprocess
+import time
+import unittest
+
+import rospy
+import rostest
+from flight_corridor.msg import CorridorState
+from std_msgs.msg import Bool
+from wall_rig import CAMERA, LIDAR, WallRig
+
+PATIENCE_S = 30.0  # a loaded machine may need seconds for a first answer
+
+
+def examine():
+    """Exit code and output of the doctor."""
+    done = subprocess.run(["rosrun", "flight_corridor", "doctor", "--seconds", "4"], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+class Doctor(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("rostest_doctor")
+        cls.planner = rospy.Subscriber("/flight_corridor/free", Bool, lambda _: None)
+        cls.rig = WallRig(with_tf=False)
+        end = time.time() + PATIENCE_S
+        while time.time() < end:
+            if rospy.wait_for_message("/flight_corridor/corridor", CorridorState).state != CorridorState.UNKNOWN:
+                return
+        raise AssertionError("the node gives no verdict")
+
+    def test_1_a_missing_transform_is_named(self):
+        code, output = examine()
+        self.assertEqual(code, 1, output)
+        self.assertIn("tf does not connect the camera's frame \"%s\" with \"%s\"" % (CAMERA, LIDAR), output)
+        self.assertIn("Findings: 1.", output)
+
+    def test_2_a_healthy_system_is_well(self):
+        self.rig.publish_mounting()
+        code, output = examine()
+        self.assertEqual(code, 0, output)
+        self.assertIn("All is well.", output)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("flight_corridor", "doctor", Doctor)

@@ -1,0 +1,146 @@
+#!/usr/bin/python3
+"""Each finding of the doctor is made where it should be, and not on a healthy system."""
+
+import os
+import sys
+import unittest
+from types import SimpleNamespace
+
+import rosunit
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scripts"))
+from doctor_findings import Observation, Topic, examine  # noqa: E402
+
+STAMPS = [10.0 + 0.1 * i for i in range(50)]
+
+
+def heard(name, message, delay_s=0.05, **changes):
+    fields = {"publishers": ["/camera"], "listeners": ["/planner"], "stamps": list(STAMPS),
+              "arrivals": [stamp + delay_s for stamp in STAMPS], "last": message, **changes}
+    return Topic(name, **fields)
+
+
+def message(frame, **fields):
+    return SimpleNamespace(header=SimpleNamespace(frame_id=frame), **fields)
+
+
+def info(shift):
+    return message("left", width=640, height=480, P=[350.0, 0, 319.5, shift, 0, 350.0, 239.5, 0, 0, 0, 1, 0])
+
+
+def healthy():
+    image = message("left", width=640, height=480)
+    return Observation(5.0, node="/flight_corridor", left=heard("/left", image), right=heard("/right", image),
+                       left_info=heard("/left_info", info(0.0)), right_info=heard("/right_info", info(-42.0)),
+                       lidar=heard("/range", message("lidar")), verdict=heard("/corridor", None),
+                       free=heard("/free", None), reasons=[("FREE", set())] * 50, ranges=[(4.0, 0.2, 40.0)] * 50,
+                       frames=[("base", "left"), ("base", "lidar")])
+
+
+class Doctor(unittest.TestCase):
+    def finds(self, seen, *parts):
+        sentences = examine(seen)
+        self.assertEqual(len(sentences), 1, sentences)
+        for part in parts:
+            self.assertIn(part, sentences[0])
+
+    def test_a_healthy_system_has_no_finding(self):
+        self.assertEqual(examine(healthy()), [])
+
+    def test_a_system_without_a_lidar_has_no_finding(self):
+        seen = healthy()
+        seen.lidar, seen.ranges = Topic("/range"), []
+        self.assertEqual(examine(seen), [])
+
+    def test_no_node_publishes_a_verdict(self):
+        self.finds(Observation(5.0), "No node publishes a verdict")
+
+    def test_nobody_publishes_the_right_image(self):
+        seen = healthy()
+        seen.right = Topic("/right")
+        self.finds(seen, "Nobody publishes /right")
+
+    def test_a_camera_is_silent(self):
+        seen = healthy()
+        seen.right = Topic("/right", publishers=["/camera"])
+        self.finds(seen, "/right is announced by /camera, but nothing came")
+
+    def test_stamps_of_a_pair_differ(self):
+        seen = healthy()
+        seen.right.stamps = [stamp + 0.004 for stamp in STAMPS]
+        self.finds(seen, "4.0 ms apart", "ros/approximate_sync")
+        seen.parameters = {"ros/approximate_sync": True, "ros/sync_slop_s": 0.01}
+        self.assertEqual(examine(seen), [])
+
+    def test_a_camera_is_not_calibrated(self):
+        seen = healthy()
+        seen.left_info.last.P[0] = 0.0
+        self.finds(seen, "/left_info has no projection matrix")
+
+    def test_left_and_right_are_exchanged(self):
+        seen = healthy()
+        seen.left_info.last, seen.right_info.last = seen.right_info.last, seen.left_info.last
+        self.finds(seen, "The baseline is not positive")
+
+    def test_image_and_calibration_differ_in_size(self):
+        seen = healthy()
+        seen.left_info.last.width = 1280
+        self.finds(seen, "/left is 640x480 px, /left_info says 1280x480")
+
+    def test_tf_lacks_the_lidars_frame(self):
+        seen = healthy()
+        seen.frames = [("base", "left")]
+        self.finds(seen, "\"left\" with \"lidar\" (the LiDAR's frame)")
+
+    def test_tf_lacks_a_frame_that_the_configuration_names(self):
+        for key in ("map/frame_id", "corridor/frame_id"):
+            seen = healthy()
+            seen.parameters = {key: "odom"}
+            self.finds(seen, "\"odom\" (%s)" % key)
+
+    def test_the_simulated_clock_stands_still(self):
+        seen = healthy()
+        seen.use_sim_time, seen.clock_ticks = True, False
+        self.finds(seen, "/clock does not tick")
+
+    def test_images_come_old_or_from_the_future(self):
+        for delay_s in (0.8, -0.8):
+            seen = healthy()
+            seen.left.arrivals = [stamp + delay_s for stamp in STAMPS]
+            self.finds(seen, "/left is %.3f s old" % delay_s, "synchronise the clocks")
+
+    def test_images_come_too_seldom(self):
+        seen = healthy()
+        seen.left.stamps, seen.left.arrivals, seen.reasons = STAMPS[::5], STAMPS[::5], seen.reasons[::5]
+        self.finds(seen, "Images come at 2.0 Hz, less than 4.0 Hz")
+
+    def test_the_node_answers_too_few_images(self):
+        seen = healthy()
+        seen.reasons = seen.reasons[:20]
+        self.finds(seen, "answers 20 of 50 images")
+
+    def test_the_lidar_is_silent(self):
+        seen = healthy()
+        seen.lidar, seen.ranges = Topic("/range", publishers=["/lidar"]), []
+        self.finds(seen, "/range is announced by /lidar, but nothing came")
+
+    def test_every_reading_of_the_lidar_is_refused(self):
+        seen = healthy()
+        seen.ranges = [(4000.0, 0.2, 40.0)] * 50
+        self.finds(seen, "Every LiDAR reading is refused", "4000 m")
+
+    def test_nobody_listens_to_the_verdict(self):
+        seen = healthy()
+        seen.verdict.listeners, seen.free.listeners = [], []
+        self.finds(seen, "Nobody listens to /corridor, nor to /free")
+        seen.free.listeners = ["/autopilot"]
+        self.assertEqual(examine(seen), [])
+
+    def test_most_verdicts_are_unknown(self):
+        seen = healthy()
+        seen.reasons = [("UNKNOWN", {"NO_DISPARITY", "NO_LIDAR"})] * 50
+        self.finds(seen, "50 of 50 verdicts are UNKNOWN, 50 with NO_DISPARITY", "texture")
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("flight_corridor", "doctor_findings", Doctor)
