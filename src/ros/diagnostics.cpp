@@ -70,6 +70,8 @@ void Diagnostics::describeLidar(Status& status) {
   const std::uint32_t reasons = report_.verdict.reasons;
   if (counters_.lidar == 0) {
     status.summary(DiagnosticStatus::OK, "no reading so far, stereo answers alone");
+  } else if (verdicts_hz_ == 0.0) {
+    status.summary(DiagnosticStatus::WARN, "no verdict uses it");
   } else if (reasons & flight_corridor::kNoLidar) {
     status.summary(DiagnosticStatus::WARN, "no usable reading, stereo answers alone");
   } else if (reasons & flight_corridor::kDisagreement) {
