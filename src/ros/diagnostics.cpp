@@ -55,8 +55,7 @@ void Diagnostics::describeImages(Status& status) {
   if (pairs_hz_ == 0.0) {
     status.summary(DiagnosticStatus::ERROR, "no stereo pair");
   } else if (isRefusal(report_)) {
-    status.summary(DiagnosticStatus::ERROR,
-                   "refused: " + flight_corridor::describeReasons(report_.verdict.reasons));
+    status.summary(DiagnosticStatus::ERROR, "refused: " + flight_corridor::describeReasons(report_.verdict.reasons));
   } else {
     status.summary(DiagnosticStatus::OK, "stereo pairs come");
   }

@@ -113,8 +113,8 @@ bool Node::isFresh(const ros::Time& stamp) {
   const double max_age_s = max_age_s_;
   if (std::abs(age_s) <= max_age_s) return true;
   if (age_warning_.due()) {
-    ROS_WARN("stereo pair is %.3f s old, outside +-%.3f s (corridor/max_age_s): UNKNOWN. %s", age_s,
-             max_age_s, ageRemedy());
+    ROS_WARN("stereo pair is %.3f s old, outside +-%.3f s (corridor/max_age_s): UNKNOWN. %s", age_s, max_age_s,
+             ageRemedy());
   }
   return false;
 }

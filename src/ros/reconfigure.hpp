@@ -33,8 +33,7 @@ class Reconfigure {
   Reconfigure(const ros::NodeHandle& private_node, const NodeConfig& config, Inbox& inbox, Apply apply);
 
  private:
-  bool answer(dynamic_reconfigure::ReconfigureRequest& request,
-              dynamic_reconfigure::ReconfigureResponse& response);
+  bool answer(dynamic_reconfigure::ReconfigureRequest& request, dynamic_reconfigure::ReconfigureResponse& response);
   void announce();
 
   ros::CallbackQueue questions_;  // what waits for a pair must not hold up the next one
