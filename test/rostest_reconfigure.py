@@ -26,8 +26,8 @@ def keys(tree, prefix=""):
 
 
 def dump():
-    text = subprocess.run(["rosparam", "dump", "/dev/stdout", NODE], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return yaml.safe_load(text)
+    done = subprocess.run(["rosparam", "dump", "/dev/stdout", NODE], stdout=subprocess.PIPE, text=True, check=True)
+    return yaml.safe_load(done.stdout)
 
 
 class Reconfigure(unittest.TestCase):
