@@ -11,7 +11,8 @@ SAME_S = 1e-6           # stamps that differ by less are equal
 
 # Bits of CorridorState.reasons that make UNKNOWN, and what to look at.
 REMEDIES = {
-    "UNOBSERVED": "too much of the box is not seen: bare surfaces, or a box beside the view (corridor/frame_id, offset_m)",
+    "UNOBSERVED": "too much of the box is not seen: bare surfaces, or a box beside the view "
+                  "(corridor/frame_id, offset_m)",
     "NO_DATA": "no pair, or too old: see the images and the clocks",
     "NO_POSE": "tf lacks a frame that the configuration names (map/frame_id, corridor/frame_id)",
     "BAD_IMAGE": "wrong size or encoding, or one camera on both topics: the node's log says which",
@@ -103,8 +104,8 @@ def bad_calibration(seen):
             found.append(f"{topic.name} has no projection matrix P: the camera is not calibrated.")
     infos = [topic.last for topic in (seen.left_info, seen.right_info) if topic and topic.last is not None]
     if not found and len(infos) == 2 and not infos[0].P[3] > infos[1].P[3]:
-        found.append(f"The baseline is not positive: P[3] is {infos[0].P[3]:g} left and {infos[1].P[3]:g} right. It needs "
-                     "the CameraInfo of a stereo calibration, left and right not exchanged.")
+        found.append(f"The baseline is not positive: P[3] is {infos[0].P[3]:g} left and {infos[1].P[3]:g} right. "
+                     "It needs the CameraInfo of a stereo calibration, left and right not exchanged.")
     for image, info in ((seen.left, seen.left_info), (seen.right, seen.right_info)):
         if not (image and info and hasattr(image.last, "width") and info.last is not None):
             continue
@@ -163,12 +164,12 @@ def low_rate(seen):
     rate_hz = len(seen.left.stamps) / seen.seconds
     least_hz = PAIRS_PER_WATCHDOG / seen.parameters.get("ros/watchdog_s", 0.5)
     if rate_hz < least_hz:
-        found.append(f"Images come at {rate_hz:.1f} Hz, less than {least_hz:.1f} Hz: with ros/watchdog_s as it is, one that "
-                     "is late already means UNKNOWN.")
+        found.append(f"Images come at {rate_hz:.1f} Hz, less than {least_hz:.1f} Hz: with ros/watchdog_s as it is, "
+                     "one that is late already means UNKNOWN.")
     answered = sum("NO_DATA" not in reasons for _, reasons in seen.reasons)
     if answered and answered < (1.0 - MOST_LOST) * len(seen.left.stamps):
-        found.append(f"The node answers {answered} of {len(seen.left.stamps)} images: the machine is too slow, or pairs "
-                     "lack a partner.")
+        found.append(f"The node answers {answered} of {len(seen.left.stamps)} images: the machine is too slow, "
+                     "or pairs lack a partner.")
     return found
 
 
@@ -182,8 +183,8 @@ def silent_lidar(seen):
     if any(low <= value <= high or value == math.inf for value, low, high in seen.ranges):
         return []
     value, low, high = seen.ranges[-1]
-    return [f"Every LiDAR reading is refused: the last one is {value:g} m, its message allows {low:g} to {high:g} m. See "
-            "that its driver gives metres, and min_range below max_range."]
+    return [f"Every LiDAR reading is refused: the last one is {value:g} m, its message allows {low:g} to {high:g} m. "
+            "See that its driver gives metres, and min_range below max_range."]
 
 
 def nobody_listens(seen):
