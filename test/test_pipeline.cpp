@@ -244,11 +244,10 @@ TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
   Eigen::Isometry3d T_W_C = Eigen::Isometry3d::Identity();
   T_W_C.translation() = Eigen::Vector3d(12.3, -4.56, 7.89);
   T_W_C.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
-  for (const int disparity : {3, 7}) {
+  for (const auto& [disparity_px, state] : {std::pair(3, State::Free), std::pair(7, State::Blocked)}) {
     Pipeline pipeline(config, kGeometry, rigWithLidar()), camera(Config(), kGeometry, rigWithLidar());
-    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, disparity, 1.0), T_W_C).verdict.state,
-              camera.process(wallFrame(kGeometry, disparity, 1.0)).verdict.state)
-        << disparity << " px";
+    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, disparity_px, 1.0), T_W_C).verdict.state, state) << disparity_px;
+    EXPECT_EQ(camera.process(wallFrame(kGeometry, disparity_px, 1.0)).verdict.state, state) << disparity_px;
   }
 }
 
