@@ -61,15 +61,15 @@ StereoFrame railing(int pitch_px = kPitch_px) {
   return barsBeforeWall(bars_px);
 }
 
-bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_told = false,
+bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_lidar_valid = false,
                const StereoGeometry& geometry = kGeometry) {
   const Box corridor = Corridor(CorridorConfig()).box(opticalFromForward());
-  return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_told, geometry);
+  return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_lidar_valid, geometry);
 }
 
 TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) { EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px))); }
 
-TEST(Railing, TheLidarTellsWhereAllIsOfOnePattern) {
+TEST(Railing, TheLidarDecidesWhereAllIsOfOnePattern) {
   EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px), true)) << "its beam may pass between the bars";
   const StereoFrame stripes = stripedWall(kPitch_px);
   EXPECT_TRUE(isRailing(stripes, depthOf(kWall_px)));

@@ -125,7 +125,7 @@ class Pipeline {
   Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
   bool isTrusted() const;
   std::uint32_t doubts(const Box& box_C, BoxView& view, Doubt& doubt) const;
-  double toldDepth(const Box& box_C) const;
+  double validLidarDepth(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

@@ -36,7 +36,7 @@ enum Reason : std::uint32_t {
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
                             ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
-  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare thing's outline, or
+  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare obstacle's outline, or
                             ///< mistakes.
   kLidarNearer = 1u << 16,  ///< UNKNOWN: the LiDAR met something lastingly nearer than stereo sees, which shows nothing
                             ///< there beside the beam either; or it says that something is too close to be measured.

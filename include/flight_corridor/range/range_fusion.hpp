@@ -76,7 +76,7 @@ class RangeFusion {
     double period_s = kInfinity;     // from the one before to that
     double gated_since_s = kNaN;
     Reading gated;         // the newest of that run
-    bool outlier = false;  // the last gated reading told of something else, and was passed over
+    bool outlier = false;  // the last gated reading was of another surface, and was passed over
     Reading passed_over;   // the last one that was
     double gatedFor() const { return gated.stamp_s - gated_since_s; }
   };

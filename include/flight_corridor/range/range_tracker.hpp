@@ -19,7 +19,8 @@ struct TrackedRange {
   RangeEstimate range;           ///< d_K at the pair's stamp.
   double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
   double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
-  bool lidar_tells = false;      ///< d_K rests on the LiDAR: it is not slow, not in lasting disagreement, and a reading
+  bool lidar_range_valid =
+      false;                     ///< d_K rests on the LiDAR: it is not slow, not in lasting disagreement, and a reading
                                  ///< was believed within fusion/max_gap_s, since when all were of something farther.
   bool lidar_is_nearer = false;  ///< Than stereo, lastingly, which shows nothing there beside the beam; or too close.
   bool lidar_is_slow = false;    ///< Its rate fell below a third.
