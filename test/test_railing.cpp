@@ -112,8 +112,8 @@ TEST(Railing, TwoThingsThatLookAlikeStandInNoRow) {
     StereoFrame pair = barsBeforeWall({});
     for (int i = 1; i < count; ++i) {
       for (const auto& [image, u] : {std::pair(&pair.left, first), std::pair(&pair.right, first - kWall_px)}) {
-        const cv::Mat thing = image->colRange(u, u + kWidth_px);
-        thing.copyTo(image->colRange(u - i * kApart_px, u - i * kApart_px + kWidth_px));
+        const cv::Mat bar = image->colRange(u, u + kWidth_px);
+        bar.copyTo(image->colRange(u - i * kApart_px, u - i * kApart_px + kWidth_px));
       }
     }
     EXPECT_EQ(isRailing(pair, depthOf(kWall_px)), count == 3) << count << " of them";
