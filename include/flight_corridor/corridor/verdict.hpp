@@ -51,7 +51,7 @@ std::string describeReasons(std::uint32_t reasons);
 
 /// The answer for one stereo pair.
 struct Verdict {
-  double stamp_s = kNaN;
+  double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
   double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1]; Corridor::inspect().
