@@ -1,5 +1,5 @@
-// How small a thing is seen at which distance, how well one close before a wall, one without texture, one whose pattern
-// fits on the wall behind it, and a railing: one stereo pair each, no LiDAR.
+// How small an obstacle is seen at which distance, how well one close before a wall, one without texture, one whose
+// pattern fits on the wall behind it, and a railing: one stereo pair each, no LiDAR.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -36,7 +36,7 @@ sim::Material anyPaint(sim::Random& random) {
 }
 
 /// A ball or a box in the corridor, beside the beam, before a far wall.
-World smallThing(double size_m, double distance_m, sim::Random& random) {
+World smallObstacle(double size_m, double distance_m, sim::Random& random) {
   const double wall_m = random.uniform(5.5, 11.0);
   const double beside_m = random.eitherSign(0.15, 0.45), above_m = random.uniform(-0.1, 0.1);
   const sim::Material paint = anyPaint(random);
@@ -58,7 +58,7 @@ World postBeforeWall(double width_m, double distance_m, sim::Random& random) {
 }
 
 /// A ball or a box of one grey, of which 8 cm are in the corridor, from the left or right, before a far wall.
-World bareThing(double size_m, double distance_m, sim::Random& random) {
+World bareObstacle(double size_m, double distance_m, sim::Random& random) {
   constexpr double kHalfWidth_m = 0.6, kInside_m = 0.08, kContrast = 0.1;
   const sim::Material wall = sim::masonry(random);
   double grey = wall.grey;
@@ -106,9 +106,9 @@ World railing(double pitch_m, double distance_m, sim::Random& random) {
 
 /// A row for each size, a column for each distance.
 template <class Sizes, class Distances, class Build>
-void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int things,
+void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int obstacles,
                    const Build& build) {
-  std::printf("FREE / UNKNOWN / BLOCKED of %d %s\n%6s |", things, title, "size");
+  std::printf("FREE / UNKNOWN / BLOCKED of %d %s\n%6s |", obstacles, title, "size");
   for (const double distance_m : distances_m) std::printf("   %.2f m   |", distance_m);
   std::printf("\n");
   const StereoGeometry geometry(sim::defaultRig().calibration);
@@ -116,7 +116,7 @@ void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& dis
     std::printf("%.2f m |", size_m);
     for (const double distance_m : distances_m) {
       std::array<int, 3> counts{};
-      for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(things); ++seed) {
+      for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(obstacles); ++seed) {
         sim::Random random(seed, sim::Stream::Scene);
         const StereoFrame pair = sim::stillPair(build(size_m, distance_m, random), seed);
         Pipeline pipeline(Config(), geometry, Rig());
@@ -133,17 +133,17 @@ void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& dis
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int things = argc > 1 ? std::atoi(argv[1]) : 20;
-  printVerdicts("balls and boxes each", kSizes_m, kDistances_m, things, smallThing);
+  const int obstacles = argc > 1 ? std::atoi(argv[1]) : 20;
+  printVerdicts("balls and boxes each", kSizes_m, kDistances_m, obstacles, smallObstacle);
   std::printf("\n");
   printVerdicts("posts each, 0.25 to 0.7 m before a wall (the corridor ends at 4 m)", kWidths_m, kPostDistances_m,
-                things, postBeforeWall);
+                obstacles, postBeforeWall);
   std::printf("\n");
-  printVerdicts("bare balls and boxes each, 8 cm of them in the corridor", kBareSizes_m, kBareDistances_m, things,
-                bareThing);
+  printVerdicts("bare balls and boxes each, 8 cm of them in the corridor", kBareSizes_m, kBareDistances_m, obstacles,
+                bareObstacle);
   std::printf("\n");
   printVerdicts("striped boards each, by height, whose stripes fit on the wall behind the corridor", kHeights_m,
-                kDistances_m, things, stripedBoard);
+                kDistances_m, obstacles, stripedBoard);
   std::printf("\n");
-  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kRailingDistances_m, things, railing);
+  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kRailingDistances_m, obstacles, railing);
 }

@@ -72,7 +72,7 @@ class Flight:
 
 
 def fly_all(flights, judges, jobs, keep_bags):
-    """Flies in parallel and tells how it goes.  @return the flights that failed."""
+    """Flies in parallel and prints how it goes.  @return the flights that failed."""
     failed, start = [], time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         futures = {pool.submit(flight.fly, judges, keep_bags): flight for flight in flights}

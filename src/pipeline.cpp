@@ -101,7 +101,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
-    confirmRepeated(geometry_.disparity(toldDepth(boxInCamera())), scale(), disparity_);
+    confirmRepeated(geometry_.disparity(validLidarDepth(boxInCamera())), scale(), disparity_);
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
@@ -208,25 +208,25 @@ std::uint32_t Pipeline::mapReasons(const CorridorOccupancy& occupancy, const Box
 
 /// Why the newest pair's matches are not enough to call a box free.
 std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) const {
-  const bool is_told = !std::isnan(toldDepth(box_C));
+  const bool is_lidar_valid = !std::isnan(validLidarDepth(box_C));
   view.look(box_C, config_.corridor.blind_m);
   std::uint32_t reasons = 0;
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  if (doubt.isIn(view, disparity_, scale(), is_told) ||
-      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_told, geometry_, &scratch_)) {
+  if (doubt.isIn(view, disparity_, scale(), is_lidar_valid) ||
+      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_lidar_valid, geometry_, &scratch_)) {
     reasons |= kUnmatched;
   }
   return reasons;
 }
 
 /// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
-/// is where the LiDAR says.
-double Pipeline::toldDepth(const Box& box_C) const {
+/// is where the LiDAR measures it.
+double Pipeline::validLidarDepth(const Box& box_C) const {
   const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
   const Eigen::Vector2d pixel = geometry_.project(met_C);
-  const bool tells = report_.lidar_tells && geometry_.contains(pixel) &&
-                     viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
-  return tells ? met_C.z() : kNaN;
+  const bool is_valid = report_.lidar_range_valid && geometry_.contains(pixel) &&
+                        viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
+  return is_valid ? met_C.z() : kNaN;
 }
 
 Verdict Pipeline::query(const Box& box) const {

@@ -53,7 +53,7 @@ TEST(BeamFootprint, AMedianWithstandsOutliers) {
   EXPECT_NEAR(reading->range_m, 3.1, 1e-4);
 }
 
-TEST(BeamFootprint, WhatIsMatchedBesideTheBeamIsTold) {
+TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
   BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
   const double radius_px = beam.at(3.0, 0.04)->radius_px;
   const auto all = static_cast<double>(beam.matchesBeside(wall(3.0), 3.0, 0.04).size());

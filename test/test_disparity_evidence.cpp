@@ -75,7 +75,7 @@ TEST(EvidenceMatcher, HasNoMatchBehindInfinity) {
   const cv::Mat seen_px = evidence.best_px.colRange(10, kSize.width - 10);  // in both images, the census's window too
   EXPECT_EQ(cv::countNonZero(seen_px == seen_px), 0);
   matcher.match(shifted(0), evidence);
-  EXPECT_GT(evidence.best_px.at<float>(40, 100), 0.0f);  // as far as can be told
+  EXPECT_GT(evidence.best_px.at<float>(40, 100), 0.0f);  // as far as can be resolved
 }
 
 TEST(EvidenceMatcher, KeepsTheSetThatTheBoundsBelongTo) {
@@ -122,7 +122,7 @@ TEST(EvidenceMatcher, MatchesNothingOnAFlatSurface) {
   EXPECT_EQ(matched(evidence), 0.0);
 }
 
-TEST(EvidenceMatcher, TellsTexture) {
+TEST(EvidenceMatcher, DistinguishesTexture) {
   const DisparityEvidence evidence = evidenceOf(shifted(20));
   EXPECT_GT(inside(distinct(evidence)), 0.9);
   EXPECT_GT(inside(evidence.best_px == evidence.best_px), 0.9);

@@ -68,7 +68,7 @@ TEST(DistinctCompetitor, IsNotTheSameValleyWithoutABarrier) {
   EXPECT_EQ(find(curve).flags, kDistinct);
 }
 
-TEST(DistinctCompetitor, TellsAWinnerFromHalfOfTheDisparities) {
+TEST(DistinctCompetitor, DistinguishesAWinnerFromHalfOfTheDisparities) {
   for (const int alike : {kSize.num_disparities / 2, kSize.num_disparities / 2 + 1}) {
     Curve curve(4);  // 2 bits above
     for (int d = 0; d < alike; ++d) curve.costs[d] = 2;
@@ -76,7 +76,7 @@ TEST(DistinctCompetitor, TellsAWinnerFromHalfOfTheDisparities) {
   }
 }
 
-TEST(DistinctCompetitor, TellsByMoreThanALittle) {
+TEST(DistinctCompetitor, DistinguishesByMoreThanALittle) {
   for (const int above : {0, 1, 2}) {  // bits a pixel; of the window's halved sum 0, 7 and 21
     Curve curve(2 + above);
     curve.costs[kWinner] = 2;
@@ -84,7 +84,7 @@ TEST(DistinctCompetitor, TellsByMoreThanALittle) {
   }
 }
 
-TEST(DistinctCompetitor, TellsOnlyFromWhatTheRightCameraSees) {
+TEST(DistinctCompetitor, DistinguishesOnlyFromWhatTheRightCameraSees) {
   constexpr int kSeen = 41;  // disparities, at the pixel asked for
   for (const int alike : {kSeen / 2, kSeen / 2 + 1}) {
     Curve curve(4);

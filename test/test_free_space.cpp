@@ -19,9 +19,9 @@ struct Found {
   double cells = 0.0, nearest_m = kInfinity, farthest_m = 0.0;
 };
 
-FreeSpace::Families joined(const std::vector<FreeSpace::Families>& lists) {
-  FreeSpace::Families all;
-  for (const FreeSpace::Families& list : lists) all.insert(all.end(), list.begin(), list.end());
+FreeSpace::FreeCubes joined(const std::vector<FreeSpace::FreeCubes>& lists) {
+  FreeSpace::FreeCubes all;
+  for (const FreeSpace::FreeCubes& list : lists) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
@@ -29,12 +29,12 @@ Found findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
   const MapConfig config;
   FreeSpace free_space(config, kGeometry, nearest_m);
   Found found;
-  for (const FreeSpace::Family& family : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
-    EXPECT_TRUE(family.children != 0xFFu || family.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
+  for (const FreeSpace::FreeChildren& cube : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
+    EXPECT_TRUE(cube.children != 0xFFu || cube.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
     for (unsigned i = 0; i < 8; ++i) {
-      if ((family.children >> i & 1u) == 0) continue;
-      const int edge_cells = 1 << (EvidenceTree::kDepth - family.depth - 1);
-      const int first_z = EvidenceTree::childKey(family.key, family.depth, i)[2] - 32768;
+      if ((cube.children >> i & 1u) == 0) continue;
+      const int edge_cells = 1 << (EvidenceTree::kDepth - cube.depth - 1);
+      const int first_z = EvidenceTree::childKey(cube.key, cube.depth, i)[2] - 32768;
       const int last_z = first_z + edge_cells;
       found.nearest_m = std::min(found.nearest_m, first_z * config.resolution_m);
       found.cells += std::pow(edge_cells, 3);
@@ -78,11 +78,11 @@ TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
     const int usual = cv::getNumThreads();
     cv::setNumThreads(threads);
     FreeSpace free_space(MapConfig(), kGeometry, 0.0);
-    const FreeSpace::Families families = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
+    const FreeSpace::FreeCubes cubes = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
     cv::setNumThreads(usual);
-    return families;
+    return cubes;
   };
-  const FreeSpace::Families by_one = found_by(1), by_four = found_by(4);
+  const FreeSpace::FreeCubes by_one = found_by(1), by_four = found_by(4);
   ASSERT_GT(by_one.size(), 0u);
   ASSERT_EQ(by_one.size(), by_four.size());
   for (std::size_t i = 0; i < by_one.size(); ++i) {

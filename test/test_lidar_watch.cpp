@@ -43,7 +43,7 @@ TEST(LidarWatch, OnlyMinusInfinitySaysTooCloseAndOnlyWhileItIsNew) {
   EXPECT_FALSE(watch.isTooClose(1.2, 0.5));
 }
 
-TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
+TEST(LidarWatch, GivesTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
   LidarWatch watch;
   watch.add(reading(1.0, 5.0), true);
   watch.add(reading(0.9, 6.0), true);  // late
@@ -54,21 +54,21 @@ TEST(LidarWatch, TellsTheNewestReadingUnlessItIsOldOrWasNotBelieved) {
   EXPECT_TRUE(watch.isRejected());
 }
 
-TEST(LidarWatch, ToldWhileNothingButFartherSurfacesIsNotBelieved) {
+TEST(LidarWatch, ItsRangeIsValidWhileNothingButFartherSurfacesIsNotBelieved) {
   LidarWatch watch;
-  EXPECT_FALSE(watch.hasTold(1.0, 0.5));
+  EXPECT_FALSE(watch.hasValidRange(1.0, 0.5));
   watch.add(reading(1.0, 14.0), false);
-  EXPECT_FALSE(watch.hasTold(1.0, 0.5));
+  EXPECT_FALSE(watch.hasValidRange(1.0, 0.5));
   watch.add(reading(1.1, 5.0), true);
   for (const double farther_m : {14.0, kInfinity}) watch.add(reading(1.2, farther_m), false);
-  EXPECT_TRUE(watch.hasTold(1.5, 0.5));
-  EXPECT_FALSE(watch.hasTold(1.7, 0.5));
+  EXPECT_TRUE(watch.hasValidRange(1.5, 0.5));
+  EXPECT_FALSE(watch.hasValidRange(1.7, 0.5));
   for (const double other_m : {kNaN, -kInfinity, 0.0, 4.0}) {
     LidarWatch nearer = watch;
     nearer.add(reading(1.0, other_m), false);
-    EXPECT_TRUE(nearer.hasTold(1.5, 0.5)) << other_m << " is late";
+    EXPECT_TRUE(nearer.hasValidRange(1.5, 0.5)) << other_m << " is late";
     nearer.add(reading(1.3, other_m), false);
-    EXPECT_FALSE(nearer.hasTold(1.5, 0.5)) << other_m;
+    EXPECT_FALSE(nearer.hasValidRange(1.5, 0.5)) << other_m;
   }
 }
 

@@ -229,7 +229,7 @@ TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
   EXPECT_EQ(cellAt(map, {1.05, 0.05, 2.45}), Cell::Free);
 }
 
-TEST(OccupancyMap, WhatWasSeenInACellIsToldByItsPoints) {
+TEST(OccupancyMap, WhatWasSeenInACellIsGivenByItsPoints) {
   OccupancyMap map(withoutHitBand(), kGeometry);
   map.insert(wallDepth(kGeometry.size(), 2.05), Eigen::Isometry3d::Identity());
   ASSERT_FALSE(map.seen().empty());

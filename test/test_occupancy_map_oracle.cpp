@@ -37,7 +37,7 @@ Cell cellAt(const octomap::OcTree& tree, const octomap::OcTreeKey& key) {
   return tree.isNodeOccupied(node) ? Cell::Occupied : Cell::Free;
 }
 
-/// Random things of a random world.
+/// Random obstacles of a random world.
 class Dice {
  public:
   explicit Dice(unsigned seed) : engine_(seed) {}

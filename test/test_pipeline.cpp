@@ -140,7 +140,7 @@ TEST(Pipeline, ALidarStuckFarAwayCannotFreeABlockedCorridor) {
 TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   State last = State::Unknown;
-  for (int i = 0; i < 60; ++i) {  // a baseline that is announced far too long: 4.7 m are told as 7 m
+  for (int i = 0; i < 60; ++i) {  // a baseline that is announced far too long: 4.7 m are measured as 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 4.7 + 0.001 * (i % 2)));
     if (i % 10 == 9) last = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict.state;
@@ -152,7 +152,7 @@ TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
 
 TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  bool followed = false;           // the LiDAR, until the frame that tells of the disagreement
+  bool followed = false;           // the LiDAR, until the frame that reports the disagreement
   for (int i = 0; i < 150; ++i) {  // the beam passes what the footprint shows at 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 14.0 + 0.001 * (i % 2)));

@@ -98,7 +98,7 @@ TEST(PipelineFlights, ABranchNearlyAsGreyAsTheWallBlocks) {
   EXPECT_EQ(verdictOn("branch", 539, 4.0, 17, 3.493).state, State::Blocked);
 }
 
-/// 4 cm behind the end; what is matched of it is told to be 0.3 m farther.
+/// 4 cm behind the end; what is matched of it is measured 0.3 m farther.
 TEST(PipelineFlights, ALevelBranchThatMayBeInTheBoxIsNotFree) {
   const Verdict verdict = verdictOn("branch", 455, 4.0, 15, kInfinity);
   EXPECT_EQ(verdict.state, State::Unknown);
@@ -121,7 +121,7 @@ TEST(PipelineFlights, ABareBallBesideTheBeamIsNotFreeForBeingNear) {
   }
 }
 
-/// Nothing tells which of its periods is right, but a LiDAR whose beam ends
+/// Nothing shows which of its periods is right, but a LiDAR whose beam ends
 /// there.
 TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
   constexpr double kDistance_m = 2.5;
@@ -143,7 +143,7 @@ TEST(PipelineFlights, AWallWithoutEndWhosePatternRepeatsItselfIsNotFree) {
 }
 
 /// Its readings of the last eighth of a second passed between the pickets, that of a fence behind the box.
-TEST(PipelineFlights, ALidarThatMetAPatternTellsOfItUntilSomethingNearerIsMet) {
+TEST(PipelineFlights, ALidarThatMetAPatternDecidesUntilSomethingNearerIsMet) {
   constexpr std::size_t kFrame = 6;
   sim::SimulationOptions options;
   options.scene = "fence";

@@ -41,7 +41,7 @@ TEST(PipelineQuery, AQueryExemptsNothingThatTheCameraCannotSee) {
   }
 }
 
-TEST(PipelineQuery, AQueryIsNeverFreeAfterAFrameThatTellsNothing) {
+TEST(PipelineQuery, AQueryIsNeverFreeAfterAFrameThatShowsNothing) {
   Pipeline pipeline(Config(), kGeometry, rigWithLidar());
   const StereoFrame good = wallFrame(kGeometry, 3, 1.0);
   pipeline.process(good);

@@ -61,15 +61,15 @@ StereoFrame railing(int pitch_px = kPitch_px) {
   return barsBeforeWall(bars_px);
 }
 
-bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_told = false,
+bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_lidar_valid = false,
                const StereoGeometry& geometry = kGeometry) {
   const Box corridor = Corridor(CorridorConfig()).box(opticalFromForward());
-  return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_told, geometry);
+  return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_lidar_valid, geometry);
 }
 
 TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) { EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px))); }
 
-TEST(Railing, TheLidarTellsWhereAllIsOfOnePattern) {
+TEST(Railing, TheLidarDecidesWhereAllIsOfOnePattern) {
   EXPECT_TRUE(isRailing(railing(), depthOf(kWall_px), true)) << "its beam may pass between the bars";
   const StereoFrame stripes = stripedWall(kPitch_px);
   EXPECT_TRUE(isRailing(stripes, depthOf(kWall_px)));
@@ -112,8 +112,8 @@ TEST(Railing, TwoThingsThatLookAlikeStandInNoRow) {
     StereoFrame pair = barsBeforeWall({});
     for (int i = 1; i < count; ++i) {
       for (const auto& [image, u] : {std::pair(&pair.left, first), std::pair(&pair.right, first - kWall_px)}) {
-        const cv::Mat thing = image->colRange(u, u + kWidth_px);
-        thing.copyTo(image->colRange(u - i * kApart_px, u - i * kApart_px + kWidth_px));
+        const cv::Mat bar = image->colRange(u, u + kWidth_px);
+        bar.copyTo(image->colRange(u - i * kApart_px, u - i * kApart_px + kWidth_px));
       }
     }
     EXPECT_EQ(isRailing(pair, depthOf(kWall_px)), count == 3) << count << " of them";

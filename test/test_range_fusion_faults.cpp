@@ -134,7 +134,7 @@ TEST(RangeFusionFaults, AStereoPeakDoesNotEndItsDisagreementWithANearerLidarWhat
 TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateItsReadingsAre) {
   constexpr double kLate_s = 0.2;
   RangeFusion fusion((FusionConfig()));
-  for (int i = 0; i < 20; ++i) {  // at 4 m/s; stereo at 4 Hz tells a quarter too much
+  for (int i = 0; i < 20; ++i) {  // at 4 m/s; stereo at 4 Hz measures a quarter too much
     const double stamp = 1.0 + 0.05 * i, true_m = 9.0 - 4.0 * (stamp - 1.0);
     fusion.add(Sensor::Lidar, stamp - kLate_s, true_m + 4.0 * kLate_s, kLidarVariance_m2);
     if (i % 5 != 0) continue;
@@ -164,7 +164,7 @@ TEST(RangeFusionFaults, SensorsThatDifferTakeNoTurnsHoweverSlowOneIs) {
 /// Range of two sensors that see one wall at rest each at its own place, from 3 s to 8 s.
 struct Extremes {
   double least_m = kInfinity, most_m = -kInfinity;
-  int frames = 0, told = 0;  // of disagreement
+  int frames = 0, noticed = 0;  // of disagreement
 };
 
 Extremes atRest(double lidar_hz, double lidar_m, double stereo_hz, double stereo_m, double stereo_later_s) {
@@ -185,15 +185,15 @@ Extremes atRest(double lidar_hz, double lidar_m, double stereo_hz, double stereo
     extremes.least_m = std::fmin(extremes.least_m, estimate.range_m);
     extremes.most_m = std::isnan(estimate.range_m) ? kInfinity : std::max(extremes.most_m, estimate.range_m);
     ++extremes.frames;
-    extremes.told += estimate.dissent.has_value();
+    extremes.noticed += estimate.dissent.has_value();
   }
 }
 
-TEST(RangeFusionFaults, SensorsThatAlternateAndDifferAreToldApart) {
+TEST(RangeFusionFaults, SensorsThatAlternateAndDifferAreDistinguished) {
   for (const double rate_hz : {10.0, 20.0}) {
     for (const double later_s : {0.008, 0.5 / rate_hz, 1.0 / rate_hz - 0.008}) {
       const Extremes extremes = atRest(rate_hz, 3.5, rate_hz, 5.0, later_s);
-      EXPECT_EQ(extremes.told, extremes.frames) << rate_hz << " Hz, " << later_s << " s";
+      EXPECT_EQ(extremes.noticed, extremes.frames) << rate_hz << " Hz, " << later_s << " s";
       EXPECT_NEAR(extremes.most_m, 3.5, 0.2) << rate_hz << " Hz, " << later_s << " s";
     }
   }

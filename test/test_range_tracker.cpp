@@ -48,7 +48,7 @@ TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
   const TrackedRange tracked = tracker.update(1.05, showing(7.0));
   EXPECT_NEAR(tracked.range.range_m, 3.0, 1e-6);
   EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
-  EXPECT_FALSE(tracked.lidar_tells);
+  EXPECT_FALSE(tracked.lidar_range_valid);
   EXPECT_EQ(reasonsOf(tracked), kNoLidar);
 }
 
@@ -84,7 +84,7 @@ TEST(RangeTracker, ReadingsWithAnImpossibleStampTouchNothing) {
   EXPECT_EQ(tracker.counts().refused, 2u * 19u) << "all but the first pair's, whose time nobody knew before";
 }
 
-TEST(RangeTracker, AMountingThatIsToldAnewCounts) {
+TEST(RangeTracker, AMountingThatIsSetAnewCounts) {
   RangeTracker tracker = trackerWithLidar();
   const Eigen::Isometry3d moved = Eigen::Translation3d(0.0, 0.0, 0.5) * opticalFromForward();
   EXPECT_NEAR(trackedFor(tracker, 3.0, showing(7.0)).range_stereo_m, 3.0, 1e-6);
@@ -95,10 +95,10 @@ TEST(RangeTracker, AMountingThatIsToldAnewCounts) {
 
 TEST(RangeTracker, WhatALidarMetThatIsGoneIsForgottenAtOnce) {
   RangeTracker tracker = trackerWithLidar();
-  ASSERT_TRUE(trackedFor(tracker, 7.0, showing(3.0)).lidar_tells);
+  ASSERT_TRUE(trackedFor(tracker, 7.0, showing(3.0)).lidar_range_valid);
   tracker.mount(std::nullopt);
   const TrackedRange tracked = tracker.update(1.5, showing(7.0));
-  EXPECT_FALSE(tracked.lidar_tells);
+  EXPECT_FALSE(tracked.lidar_range_valid);
   EXPECT_TRUE(std::isnan(tracked.range_lidar_m));
   EXPECT_FALSE(tracked.range.range_m > 3.1) << "the old beam's 7 m";
 }
@@ -149,9 +149,9 @@ TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
   EXPECT_FALSE(tracker.update(3.0, showing(3.0)).lidar_is_nearer) << "one that is silent says nothing";
 }
 
-TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStillTells) {
+TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStaysValid) {
   RangeTracker tracker = trackerWithLidar();
-  EXPECT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_tells);
+  EXPECT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_range_valid);
   constexpr double kPassed_s = 1.5;  // from then on
   for (int i = 0; i < 40; ++i) {
     const double stamp_s = kPassed_s + 0.01 * i, lasted_s = stamp_s - kPassed_s;
@@ -159,16 +159,16 @@ TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStillTells) {
     const TrackedRange tracked = tracker.update(stamp_s, showing(7.0));
     ASSERT_TRUE(reasonsOf(tracked) & kLidarRejected);
     if (std::abs(lasted_s - Config().fusion.lasting_s) < 0.015) continue;
-    EXPECT_EQ(tracked.lidar_tells, lasted_s < Config().fusion.lasting_s) << lasted_s;
+    EXPECT_EQ(tracked.lidar_range_valid, lasted_s < Config().fusion.lasting_s) << lasted_s;
   }
 }
 
-TEST(RangeTracker, ALidarThatMeetsSomethingNearerOrBecomesSlowTellsNoMore) {
+TEST(RangeTracker, ALidarThatMeetsSomethingNearerOrBecomesSlowIsNoLongerValid) {
   RangeTracker tracker = trackerWithLidar();
-  ASSERT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_tells);
-  EXPECT_FALSE(RangeTracker(tracker).update(1.95, showing(7.0)).lidar_tells) << "slow";
+  ASSERT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_range_valid);
+  EXPECT_FALSE(RangeTracker(tracker).update(1.95, showing(7.0)).lidar_range_valid) << "slow";
   tracker.addRange(reading(1.5, 1.0));
-  EXPECT_FALSE(tracker.update(1.5, showing(7.0)).lidar_tells) << "nearer";
+  EXPECT_FALSE(tracker.update(1.5, showing(7.0)).lidar_range_valid) << "nearer";
 }
 
 TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContradictIt) {
@@ -189,8 +189,8 @@ TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
     RangeTracker tracker = trackerWithLidar();
     for (int i = 0; i < 100; ++i) {  // a rig 10 % too far, or a faultless one
       tracker.addRange(reading(0.01 * i, 6.3 + 0.001 * (i % 2)));
-      const double told_m = has_learnt ? 7.0 : 6.3;
-      if (i % 5 == 4) tracker.update(0.01 * i, showing(kGeometry.disparity(told_m)));
+      const double measured_m = has_learnt ? 7.0 : 6.3;
+      if (i % 5 == 4) tracker.update(0.01 * i, showing(kGeometry.disparity(measured_m)));
     }
     cv::Mat disparity_px = showing(3.0);
     disparity_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far

@@ -86,7 +86,7 @@ TEST_F(RecentBlockTest, WhatIsSmallMayRemainBesideWhatIsBroad) {
   EXPECT_TRUE(mayRemain(10.2));
 }
 
-TEST_F(RecentBlockTest, MistakesBehindTheOutlineOfWhatIsBroadAreNoSmallThings) {
+TEST_F(RecentBlockTest, MistakesBehindTheOutlineOfWhatIsBroadAreNoSmallObstacles) {
   block({kBroad, {0.01, 0.12, -0.1, -0.01, 3.35}});
   EXPECT_FALSE(mayRemain(10.1));
   block({kBroad, {0.01, 0.09, -0.09, -0.01, 2.45}});

@@ -51,7 +51,7 @@ TEST(WindowMatcher, LooksAtBothEndsOfTheRange) {
   EXPECT_FALSE(fits(kU, kV, kShift_px + 1, kShift_px - 1)) << "an empty range";
 }
 
-TEST(WindowMatcher, TellsTheBestCorrelationOfTheRange) {
+TEST(WindowMatcher, GivesTheBestCorrelationOfTheRange) {
   const Pair pair;
   const WindowMatcher matcher(pair.left, pair.right, {0, 40});
   EXPECT_NEAR(best(matcher, kU, kV, kShift_px, kShift_px), 1.0, 0.01);
@@ -60,7 +60,7 @@ TEST(WindowMatcher, TellsTheBestCorrelationOfTheRange) {
   EXPECT_EQ(best(matcher, 99, kV, 0, 40), -1.0f) << "not whole";
 }
 
-TEST(WindowMatcher, TellsTheCorrelationOfEachDisparityWhoseWindowsAreWhole) {
+TEST(WindowMatcher, GivesTheCorrelationOfEachDisparityWhoseWindowsAreWhole) {
   const Pair pair;
   constexpr int kReach_px = WindowMatcher::kReach_px;
   const WindowMatcher matcher(pair.left, pair.right, {0, 40});

@@ -20,6 +20,7 @@
 
 namespace flight_corridor {
 
+/// What the stages of one pair took on a steady clock.
 struct StageTimes {
   double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;
 };
@@ -91,6 +92,7 @@ class Pipeline {
   /// blocked.
   void takeOver(const Pipeline& before);
 
+  /// As given, with the corridor of setCorridor().
   const Config& config() const { return config_; }
   const StereoGeometry& geometry() const { return geometry_; }
   const Counters& counters() const { return counters_; }
@@ -106,8 +108,11 @@ class Pipeline {
   cv::Mat doubtful() const { return doubt_.image(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
+  /// What has been learnt of the rig's scale and offset.
   const ScaleCorrection& scale() const { return range_tracker_.scale(); }
+  /// In the map's frame M.
   const OccupancyMap& map() const { return map_; }
+  /// Left camera in the map's frame at the last frame; identity without map/frame_id.
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
   /// The corridor's box in the map's frame, and in C.
   Box box() const { return corridor_.box(T_M_C_ * rig_.T_C_F); }
@@ -125,7 +130,7 @@ class Pipeline {
   Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
   bool isTrusted() const;
   std::uint32_t doubts(const Box& box_C, BoxView& view, Doubt& doubt) const;
-  double toldDepth(const Box& box_C) const;
+  double validLidarDepth(const Box& box_C) const;
   std::optional<double> beamEndInBox() const;
 
   Config config_;

@@ -22,14 +22,14 @@ constexpr float kBetween = 0.5f;  // of the own fit: a worse match between two m
 constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or behind the surface
 
 constexpr int kBarStride_px = 2;
-constexpr double kBarWindows = 3000.0;  // looked at, at the most: fewer rows, for columns meet the bars' pitch
-constexpr float kBarTexture = 3.0f;     // grey levels: mean gradient along the row in a window's middle
-constexpr int kMiddle_px = 3;           // ... which is so wide and high
-constexpr double kLargestScale = 1.2;   // largest factor from a told depth to the true one
-constexpr double kBeside_px = 2.0;      // so far beside its surface a window may fit
-constexpr int kFewestFitting = 40;      // windows; fewer say nothing
-constexpr double kRailingShare = 0.23;  // of these; doc/design_notes.md has the shares of railings and of other scenes
-constexpr double kInARow = 0.2;         // of its windows; of two trees that look alike hardly any
+constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows, for columns meet the bars' pitch
+constexpr float kBarTexture = 3.0f;        // grey levels: mean gradient along the row in a window's middle
+constexpr int kMiddle_px = 3;              // ... which is so wide and high
+constexpr double kLargestScale = 1.2;      // upper bound of true over measured depth
+constexpr double kBeside_px = 2.0;         // so far beside its surface a window may fit
+constexpr int kFewestFitting = 40;         // windows; fewer say nothing
+constexpr double kRailingShare = 0.23;     // of these; doc/experiments.md has the shares of other scenes
+constexpr double kInARow = 0.2;            // of its windows; of two trees that look alike hardly any
 constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
 constexpr double kWidePitch_m = 0.3;       // of bars at their match's distance: farther apart than those of fences
 constexpr double kWideInARow = 0.4;        // of their windows, at least; of a forest's fewer are
@@ -221,8 +221,8 @@ bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_
 
 }  // namespace
 
-bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m, bool is_told,
-                  const StereoGeometry& geometry, std::pmr::memory_resource* memory) {
+bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
+                  bool is_lidar_valid, const StereoGeometry& geometry, std::pmr::memory_resource* memory) {
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
@@ -244,7 +244,7 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& dept
   const Railing railing = largestRailing(bars);
   const auto windows = static_cast<double>(railing.windows);
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
-  if (is_told && windows >= kPatternOnlyShare * fitting) return false;
+  if (is_lidar_valid && windows >= kPatternOnlyShare * fitting) return false;
   if (!(shareInARow(railing, bars, view, 1.0) >= kInARow)) return false;
   const double least_px = geometry.disparity(end_m) - railing.surface_px;
   return isTooWideForAFence(byItsPitch(railing, bars), bars, least_px, view, geometry) ||

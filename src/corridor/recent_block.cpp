@@ -87,7 +87,7 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
 
   blocked_s_ = verdict.stamp_s;
   Cells hits(memory), large(memory), small(memory), in_middle(memory);
-  const auto is_near = [&](const Seen& cell) { return isHitIn(cell, box, reach()); };  // large things end beside it
+  const auto is_near = [&](const Seen& cell) { return isHitIn(cell, box, reach()); };  // large obstacles end beside it
   std::copy_if(newest.seen().begin(), newest.seen().end(), std::back_inserter(hits), is_near);
   for (const Cells& group : groupsOf(hits, cell_m_)) {
     const bool is_large = isLarge(group, cell_m_);

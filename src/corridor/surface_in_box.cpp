@@ -41,9 +41,9 @@ double SurfaceInBox::begin(const Eigen::Vector3d& cell_centre_M, double near_m) 
   return std::clamp(*begin, near_m, std::max(near_m, box_size_m_.x()));
 }
 
-/// Whether the image tells what is in a cell: points that make a hit; or none in the box, and nearly all rays end in
+/// Whether the image shows what is in a cell: points that make a hit; or none in the box, and nearly all rays end in
 /// the cell or so little behind it that what was remembered in it is their surface. What is seen far behind it is no
-/// such proof: images lose thin things now and then. Collects where the points in the box begin.
+/// such proof: images lose thin obstacles now and then. Collects where the points in the box begin.
 bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
   const cv::Rect area = pixels(centre_C);
   const Eigen::Matrix3d& R_M_C = T_M_C_.linear();

@@ -33,7 +33,7 @@ cv::Rect viewOf(const Box& box_C, double x_m, const StereoGeometry& geometry) {
 }
 
 /// From the end inwards, those in view.
-/// @param see takes a view, and tells whether it wants the next one.
+/// @param see takes a view, and returns whether it wants the next one.
 template <class See>
 void forEachSection(const Box& box_C, const StereoGeometry& geometry, const See& see) {
   const double end_m = box_C.size_m.x();

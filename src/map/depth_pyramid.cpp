@@ -84,7 +84,7 @@ void DepthPyramid::joinBlocks(std::vector<float>& values, const Better& better) 
 }
 
 FLIGHT_CORRIDOR_WIDE void DepthPyramid::nearest(const EightTiles& tiles, float (&nearest_m)[8]) const {
-  static_assert(kLevels == 3, "levels of 1, 2 and 4 tiles are told apart here");
+  static_assert(kLevels == 3, "levels of 1, 2 and 4 tiles are distinguished here");
   const int columns = columns_, rows = rows_;
   const float* values_m = nearest_m_.data();
   int first[8], right[8], down[8], is_large[8];

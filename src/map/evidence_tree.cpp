@@ -33,14 +33,14 @@ const octomap::OcTreeNode kUnknown = [] {
 EvidenceTree::~EvidenceTree() {
   root = nullptr;  // OctoMap would delete what it did not allocate,
   childrenOf(&root_node_) = nullptr;
-  for (Family& family : families_) {  // and insists that nodes go without children
-    for (octomap::OcTreeNode& node : family.nodes) childrenOf(&node) = nullptr;
+  for (Siblings& siblings : siblings_) {  // and insists that nodes go without children
+    for (octomap::OcTreeNode& node : siblings.nodes) childrenOf(&node) = nullptr;
   }
 }
 
 void EvidenceTree::addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, float log_odds) {
   enter(key, depth);
-  octomap::OcTreeNode* node = way_[depth];
+  octomap::OcTreeNode* node = path_[depth];
   for (; children != 0; children &= children - 1) addToChild(node, __builtin_ctz(children), log_odds);
 }
 
@@ -50,7 +50,7 @@ void EvidenceTree::addToChild(octomap::OcTreeNode* node, unsigned child, float l
   if (!part) part = createChild(node, child);
   if (childrenOf(part)) {
     for (unsigned i = 0; i < 8; ++i) addToChild(part, i, log_odds);
-    putRight(part);
+    updateInnerNode(part);
   } else {
     part->setLogOdds(std::clamp(part->getLogOdds() + log_odds, clamping_thres_min, clamping_thres_max));
   }
@@ -59,7 +59,7 @@ void EvidenceTree::addToChild(octomap::OcTreeNode* node, unsigned child, float l
 void EvidenceTree::settle() {
   if (!is_open_) return;
   leaveUntil(0);
-  putRight(root);
+  updateInnerNode(root);
   is_open_ = false;
 }
 
@@ -71,13 +71,13 @@ unsigned EvidenceTree::sharedDepth(const octomap::OcTreeKey& key, unsigned depth
   return std::min({shared, depth, at_depth_});
 }
 
-/// Puts the nodes right that the way leaves: those deeper than a depth.
+/// Updates the inner nodes that the path leaves: those deeper than a depth.
 void EvidenceTree::leaveUntil(unsigned depth) {
-  for (; at_depth_ > depth; --at_depth_) putRight(way_[at_depth_]);
+  for (; at_depth_ > depth; --at_depth_) updateInnerNode(path_[at_depth_]);
 }
 
 /// An inner node holds the most of its children; eight equal leaves become one.
-void EvidenceTree::putRight(octomap::OcTreeNode* node) {
+void EvidenceTree::updateInnerNode(octomap::OcTreeNode* node) {
   float least = std::numeric_limits<float>::infinity(), most = -least;
   int leaves = 0;
   for (unsigned i = 0; i < 8; ++i) {
@@ -91,14 +91,14 @@ void EvidenceTree::putRight(octomap::OcTreeNode* node) {
   if (leaves == 8 && least == most) putAwayChildren(node);
 }
 
-/// Makes the way lead to a cube whose children can be changed.
+/// Makes the path lead to a cube whose children can be changed.
 void EvidenceTree::enter(const octomap::OcTreeKey& key, unsigned depth) {
   if (!is_open_) openRoot();
   leaveUntil(sharedDepth(key, depth));
   at_ = key;
   for (; at_depth_ < depth; ++at_depth_) {
     const unsigned child = octomap::computeChildIdx(key, static_cast<int>(kDepth - 1 - at_depth_));
-    way_[at_depth_ + 1] = openChild(way_[at_depth_], child);
+    path_[at_depth_ + 1] = openChild(path_[at_depth_], child);
   }
 }
 
@@ -120,7 +120,7 @@ void EvidenceTree::openRoot() {
     split(root);
   }
   is_open_ = true;
-  way_[0] = root;
+  path_[0] = root;
   at_depth_ = 0;
 }
 
@@ -154,7 +154,7 @@ bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey&
       size_changed = true;
     }
   }
-  putRight(node);
+  updateInnerNode(node);
   return !nodeHasChildren(node);
 }
 
@@ -163,8 +163,8 @@ void EvidenceTree::clear() {
   tree_size = 0;
   size_changed = true;
   is_open_ = false;
-  families_used_ = 0;
-  spare_families_.clear();
+  siblings_used_ = 0;
+  spare_siblings_.clear();
 }
 
 /// What is below a node leaves the tree.
@@ -177,33 +177,33 @@ void EvidenceTree::putAwayChildren(octomap::OcTreeNode* node) {
     }
   }
   size_changed = true;
-  spare_families_.push_back(familyOf(node));
+  spare_siblings_.push_back(siblingsOf(node));
   childrenOf(node) = nullptr;
 }
 
 /// @param node with children.
-EvidenceTree::Family* EvidenceTree::familyOf(octomap::OcTreeNode* node) {
-  static_assert(std::is_standard_layout<Family>::value, "a family begins with its table");
-  return reinterpret_cast<Family*>(childrenOf(node));
+EvidenceTree::Siblings* EvidenceTree::siblingsOf(octomap::OcTreeNode* node) {
+  static_assert(std::is_standard_layout<Siblings>::value, "siblings begin with their table");
+  return reinterpret_cast<Siblings*>(childrenOf(node));
 }
 
-EvidenceTree::Family& EvidenceTree::takeFamily() {
-  if (!spare_families_.empty()) {
-    Family* family = spare_families_.back();
-    spare_families_.pop_back();
-    return *family;
+EvidenceTree::Siblings& EvidenceTree::takeSiblings() {
+  if (!spare_siblings_.empty()) {
+    Siblings* siblings = spare_siblings_.back();
+    spare_siblings_.pop_back();
+    return *siblings;
   }
-  if (families_used_ == families_.size()) families_.emplace_back();
-  return families_[families_used_++];
+  if (siblings_used_ == siblings_.size()) siblings_.emplace_back();
+  return siblings_[siblings_used_++];
 }
 
 octomap::OcTreeNode* EvidenceTree::createChild(octomap::OcTreeNode* node, unsigned i) {
   if (isLeaf(node)) {
-    Family& family = takeFamily();
-    std::fill_n(family.children, 8, nullptr);
-    childrenOf(node) = family.children;
+    Siblings& siblings = takeSiblings();
+    std::fill_n(siblings.children, 8, nullptr);
+    childrenOf(node) = siblings.children;
   }
-  octomap::OcTreeNode* child = &familyOf(node)->nodes[i];
+  octomap::OcTreeNode* child = &siblingsOf(node)->nodes[i];
   child->setLogOdds(0.0f);
   childrenOf(child) = nullptr;
   childrenOf(node)[i] = child;

@@ -15,7 +15,7 @@ namespace {
 constexpr float kSmallestDepth_m = 0.05f;  // cubes nearer than this may reach behind the camera's optical centre
 constexpr double kSeenTile = 0.5;          // share of a tile's pixels that must have a ray
 constexpr unsigned kAllChildren = 0xFF;
-constexpr std::size_t kMostFamilies = 1 + 8 + 64 + 512;  // of a block: its cubes that are no cells
+constexpr std::size_t kMostInnerCubes = 1 + 8 + 64 + 512;  // of a block: its cubes that are no cells
 
 /// Tile of a pixel's column or row, moved into the image.
 int tileAt(float px, float last_px) {
@@ -25,7 +25,7 @@ int tileAt(float px, float last_px) {
 
 }  // namespace
 
-/// The eight parts of a cube, side by side so that the compiler reckons several at once. Each is bounded by a box
+/// The eight parts of a cube, side by side so that the compiler vectorises over them. Each is bounded by a box
 /// square to the camera, whose image is bounded by its sides at its nearest or farthest depth.
 struct FreeSpace::Parts {
   float x_m[8], y_m[8], z_m[8];    // centres in C
@@ -52,15 +52,15 @@ FreeSpace::FreeSpace(const MapConfig& config, const StereoGeometry& geometry, do
 }
 
 /// First down to blocks, then below each of them, side by side on as many threads as OpenCV has.
-const std::vector<FreeSpace::Families>& FreeSpace::find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
+const std::vector<FreeSpace::FreeCubes>& FreeSpace::find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C) {
   const Eigen::Isometry3f T_C_M = T_M_C.inverse().cast<float>();
   orientCubes(T_C_M);
   pyramid_.build(depth_m, geometry_, config_.free_band_px, kSeenTile);
-  for (Families& families : free_) families.clear();
+  for (FreeCubes& cubes : free_) cubes.clear();
   blocks_.clear();
   const Cube root{octomap::OcTreeKey(0, 0, 0), 0, T_C_M.translation(), std::numeric_limits<float>::infinity()};
   findBelow(root, free_[0], &blocks_);
-  while (free_.size() <= blocks_.size()) free_.emplace_back().reserve(kMostFamilies);
+  while (free_.size() <= blocks_.size()) free_.emplace_back().reserve(kMostInnerCubes);
   cv::parallel_for_({0, static_cast<int>(blocks_.size())}, [this](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) findBelow(blocks_[i], free_[i + 1], nullptr);
   });
@@ -83,13 +83,13 @@ void FreeSpace::orientCubes(const Eigen::Isometry3f& T_C_M) {
   }
 }
 
-void FreeSpace::findBelow(const Cube& cube, Families& free, std::vector<Cube>* blocks) const {
+void FreeSpace::findBelow(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const {
   if (const unsigned children = descend(cube, free, blocks)) free.push_back({cube.key, cube.depth, children});
 }
 
 /// @return the free children of a cube; free cubes below the others are noted.
 /// @param blocks takes those to be descended into later; null: none.
-unsigned FreeSpace::descend(const Cube& cube, Families& free, std::vector<Cube>* blocks) const {
+unsigned FreeSpace::descend(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const {
   const unsigned depth = cube.depth + 1;
   Parts parts;
   project(cube, parts);

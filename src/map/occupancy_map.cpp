@@ -37,11 +37,11 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
   tree_.setProbMiss(octomap::probability(config.log_odds_miss));
 }
 
-/// Points are counted while free space is found, after it where there is no thread to be had; what the tree is told
+/// Points are counted while free space is found, after it where there is no thread to be had; what the tree is given
 /// does not depend on which ends first.
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
-  static const std::vector<FreeSpace::Families> kNone;
-  const std::vector<FreeSpace::Families>* free = &kNone;
+  static const std::vector<FreeSpace::FreeCubes> kNone;
+  const std::vector<FreeSpace::FreeCubes>* free = &kNone;
   workers_.run(2, [&](int part, int) {
     if (part == 1) {
       points_.count(depth_m, T_M_C);
@@ -50,9 +50,9 @@ void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C
     }
   });
   addHits(T_M_C.inverse().cast<float>());
-  for (const FreeSpace::Families& families : *free) {
-    for (const FreeSpace::Family& family : families) {
-      addToChildren(family.key, family.depth, family.children, config_.log_odds_miss);
+  for (const FreeSpace::FreeCubes& cubes : *free) {
+    for (const FreeSpace::FreeChildren& cube : cubes) {
+      addToChildren(cube.key, cube.depth, cube.children, config_.log_odds_miss);
     }
   }
   tree_.settle();

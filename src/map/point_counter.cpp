@@ -72,7 +72,7 @@ void PointCounter::findRuns() {
   run_ends_.resize(ends - run_ends_.data());
 }
 
-/// Cells of a row's points, in a plain loop over local values that the compiler reckons several at once.
+/// Cells of a row's points, in a plain loop over local values that the compiler vectorises.
 FLIGHT_CORRIDOR_WIDE void PointCounter::findCells(const float* depth_m, int v, const Eigen::Isometry3f& T_M_C) {
   const int width = geometry_.size().width;
   row_cells_.resize(width);

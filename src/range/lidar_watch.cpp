@@ -24,9 +24,9 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (reading.range_m == -kInfinity) too_close_s_ = reading.stamp_s;
   if (fused) {
     too_close_s_ = kNaN;
-    told_ = reading;
-  } else if (!(reading.range_m > told_.range_m)) {
-    told_ = RangeReading();
+    valid_ = reading;
+  } else if (!(reading.range_m > valid_.range_m)) {
+    valid_ = RangeReading();
   }
   newest_ = reading;
   fused_ = fused;
@@ -42,8 +42,8 @@ double LidarWatch::range(double stamp_s, double max_age_s) const {
   return fused_ && std::abs(stamp_s - newest_.stamp_s) <= max_age_s ? newest_.range_m : kNaN;
 }
 
-bool LidarWatch::hasTold(double stamp_s, double max_age_s) const {
-  return std::abs(stamp_s - told_.stamp_s) <= max_age_s;
+bool LidarWatch::hasValidRange(double stamp_s, double max_age_s) const {
+  return std::abs(stamp_s - valid_.stamp_s) <= max_age_s;
 }
 
 bool LidarWatch::isTooClose(double stamp_s, double max_age_s) const {

@@ -235,8 +235,8 @@ bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) co
   return reading.value > filter.mean[0] && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
 }
 
-/// Remembers a gated reading; a run of them lasts as long as they tell of one surface, one outlier at a time apart. A
-/// nearer surface of which an outlier told before takes the run over: two readings agree on it.
+/// Remembers a gated reading; a run of them lasts as long as they are of one surface, one outlier at a time apart. A
+/// nearer surface that an outlier was of before takes the run over: two readings agree on it.
 void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
   const auto follows = [&](const Reading& earlier) {
     return reading.stamp_s - earlier.stamp_s <= config_.max_gap_s && agree(earlier, reading);

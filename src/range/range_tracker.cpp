@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
-constexpr double kReferenceDepth_m = 4.0;  // where the scale is told when the beam meets nothing
+constexpr double kReferenceDepth_m = 4.0;  // where the scale is reported when the beam meets nothing
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
 
@@ -82,8 +82,8 @@ TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
   const auto dissents = [&](Sensor sensor) { return tracked.range.dissent && tracked.range.dissent->sensor == sensor; };
   tracked.lidar_is_slow = lidar_.isSlow(stamp_s);
   tracked.lidar_is_rejected = lidar_.isRejected();
-  tracked.lidar_tells =
-      lidar_.hasTold(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !dissents(Sensor::Lidar);
+  tracked.lidar_range_valid =
+      lidar_.hasValidRange(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !dissents(Sensor::Lidar);
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
   const bool is_contradicted = dissents(Sensor::Stereo) && !isShownBeside(tracked.range.range_m, disparity_px);
   tracked.lidar_is_nearer = is_contradicted || too_close;

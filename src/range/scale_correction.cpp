@@ -38,7 +38,7 @@ ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
 }
 
 /// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update with a slow random walk of a. d in h is
-/// the likeliest true disparity, of which both readings tell: with the measured one its noise would, at one range, pull
+/// the likeliest true disparity given both readings: with the measured one its noise would, at one range, pull
 /// a towards 0 without end (errors in variables; Fuller 1987, ch. 1).
 bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
                              double expected_sigma_px) {

@@ -32,7 +32,7 @@ class RangeSerialDiagnostics {
   std::uint64_t openings_ = 0;
   flight_corridor::serial::WireCounts counts_, described_counts_;
   flight_corridor::serial::WireReading newest_;
-  std::uint64_t without_range_ = 0;  // readings that told no distance
+  std::uint64_t without_range_ = 0;  // readings without a distance
   ros::WallTime described_ = ros::WallTime::now();
   diagnostic_updater::Updater updater_;
   Heartbeat heartbeat_;

@@ -18,7 +18,7 @@ using flight_corridor::Pipeline;
 using flight_corridor::StereoCalibration;
 using flight_corridor::StereoGeometry;
 
-/// Less than any match tells: a calibration that is computed anew for each image jitters in its last bits.
+/// Less than any match resolves: a calibration that is computed anew for each image jitters in its last bits.
 constexpr double kSame_px = 1e-3, kSame_m = 1e-6;
 constexpr double kSameMounting = 1e-9;  // relative: rounding of tf
 

@@ -58,7 +58,7 @@ class RigPipeline {
   double tf_timeout_s_;
   std::string camera_frame_, lidar_frame_;
   std::optional<Eigen::Isometry3d> T_C_L_;
-  bool lidar_moved_ = false;  // since the pipeline was told where it sits
+  bool lidar_moved_ = false;  // since the pipeline got its pose
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
   bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
   Throttle warning_, lidar_warning_;

@@ -19,7 +19,7 @@ namespace flight_corridor_ros {
 /// old bags still do.
 std::string withoutSlash(const std::string& frame);
 
-/// Whether a stamp is one that the libraries can reckon with: near the end of what ros::Time holds (2106) its
+/// Whether a stamp is one that the libraries can represent: near the end of what ros::Time holds (2106) its
 /// arithmetic throws in their threads, which ends the process.
 inline bool isPossible(const ros::Time& stamp) { return stamp.sec < 4000000000u; }
 
@@ -29,7 +29,7 @@ class Transforms {
   /// Listens to /tf and /tf_static in a thread of its own. (tf2_ros's listener lets a stranger's stamp end the
   /// process.)
   explicit Transforms(const ros::NodeHandle& node);
-  /// Listens to nobody: knows what add() tells, and forgets nothing that a recording could hold.
+  /// Listens to nobody: knows what add() gave it, and forgets nothing that a recording could hold.
   Transforms() : buffer_(ros::Duration(1e8)) {}
 
   /// What tf2 refuses is left out.

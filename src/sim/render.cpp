@@ -215,7 +215,7 @@ class Renderer {
   float shade(const View& view, const Eigen::Vector3f& point_O, const Eigen::Vector3f& normal_O,
               const Eigen::Vector3f& direction_O, float path_m) const {
     const float facing = std::max(-normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
-    // Seen aslant the footprint is stretched one way only: the geometric mean of both edges.
+    // Seen aslant the footprint is stretched in one direction only: the geometric mean of both edges.
     const float footprint_m = path_m / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
     const float light = kAmbient + (1.0f - kAmbient) * std::max(normal_O.dot(view.to_sun_O), 0.0f);
     return light * reflectance(view.primitive->material, point_O, footprint_m);

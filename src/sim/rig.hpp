@@ -9,7 +9,7 @@
 
 namespace flight_corridor::sim {
 
-/// One camera's way from light to grey levels.
+/// One camera's path from light to grey levels.
 struct ImageSensor {
   double gain = 200.0;       ///< Grey levels per unit of radiance.
   double black_level = 4.0;  ///< [grey levels]

@@ -14,7 +14,7 @@ struct SceneBuilder {
   void (*build)(Scene&, Random&);
 };
 
-std::vector<SceneBuilder> structureBuilders();  ///< Walls, gaps, ground: large things.
+std::vector<SceneBuilder> structureBuilders();  ///< Walls, gaps, ground: large obstacles.
 std::vector<SceneBuilder> thinBuilders();       ///< Poles, wires, nets, leaves.
 std::vector<SceneBuilder> surfaceBuilders();    ///< What one or both sensors cannot see.
 std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera's motion.

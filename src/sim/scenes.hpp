@@ -27,7 +27,7 @@ enum class Visibility : std::uint8_t {
   Visible,    ///< What blocks the corridor, and what stands beyond it when nothing does.
   Unseeable,  ///< Something is blank, black, glass, a mirror, sky or outshone: FREE is never a claim with evidence.
   TooNear,    ///< Nearer than stereo's blind range at last: no image shows it, a map that remembers holds it.
-  Hidden      ///< Neither the camera nor the LiDAR can tell that something is there.
+  Hidden      ///< Neither the camera nor the LiDAR can see that something is there.
 };
 
 /// "visible", "unseeable", "too_near" or "hidden".

@@ -4,7 +4,7 @@
 namespace flight_corridor::sim {
 namespace {
 
-/// Trunks everywhere but on the first metres of the way, which ends at one of them.
+/// Trunks everywhere but on the first metres of the path, which ends at one of them.
 void forest(Scene& scene, Random& random) {
   constexpr double kLane_m = 1.3;
   const double last_x_m = random.uniform(6.5, 7.5);
@@ -73,7 +73,7 @@ void standInTheWay(double x_m, double ceiling_m, Scene& scene, Random& random) {
   }
 }
 
-/// Indoors, furniture at the sides, something in the way.
+/// Indoors, furniture at the sides, an obstacle in the corridor.
 void room(Scene& scene, Random& random) {
   const double half_width_m = random.uniform(2.0, 3.0);
   const double height_m = random.uniform(2.4, 3.0);

@@ -15,7 +15,7 @@ void lookIntoTheSun(double left_rad, double up_rad, double saturated_rad, Scene&
   scene.lidar.drop_out_share = 0.1;  // sunlight blinds it too
 }
 
-/// A trunk in the way and a wall beyond the corridor.
+/// A trunk in the corridor and a wall beyond the corridor.
 void addTrunk(Scene& scene, Random& random) {
   const double x_m = approach(scene, random);
   const double y_m = middle(scene) + random.uniform(-0.3, 0.3);

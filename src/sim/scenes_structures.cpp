@@ -135,8 +135,8 @@ void slope(Scene& scene, Random& random) {
   scene.world.push_back(hill);
 }
 
-/// A ball or a box of 10 to 25 cm that hangs in the way, beside the beam: a lamp, a nesting box.
-void smallThing(Scene& scene, Random& random) {
+/// A ball or a box of 10 to 25 cm that hangs in the corridor, beside the beam: a lamp, a nesting box.
+void smallObstacle(Scene& scene, Random& random) {
   const double x_m = approach(scene, random);
   const double size_m = random.uniform(0.1, 0.25);
   const double beside_m = random.eitherSign(0.2, 0.45);
@@ -162,7 +162,7 @@ std::vector<SceneBuilder> structureBuilders() {
           {"side_obstacles", Visibility::Visible, sideObstacles},
           {"slanted_wall", Visibility::Visible, slantedWall},
           {"slope", Visibility::Visible, slope},
-          {"small_thing", Visibility::Visible, smallThing},
+          {"small_thing", Visibility::Visible, smallObstacle},
           {"wall", Visibility::Visible, addWall},
           {"wide_gap", Visibility::Visible, wideGap}};
 }

@@ -7,7 +7,7 @@ namespace flight_corridor::sim {
 namespace {
 
 // One pixel is 6 mm wide at 2 m and 11 mm at 4 m. Nothing here is thinner than a pixel and a half at 4 m, and what is
-// as thin as that leans: thinner and level things cannot be ranged by this rig.
+// as thin as that leans: thinner and level obstacles cannot be ranged by this rig.
 
 /// 6 cm thick, beside the beam, before a wall that stays beyond the corridor.
 void pole(Scene& scene, Random& random) {
@@ -54,7 +54,7 @@ void wire(Scene& scene, Random& random) {
   scene.world.push_back(backdrop(x_m + 6.0, masonry(random)));
 }
 
-/// Ropes 16 to 22 mm thick, meshes of 0.14 to 0.25 m, across the whole way.
+/// Ropes 16 to 22 mm thick, meshes of 0.14 to 0.25 m, across the whole path.
 void net(Scene& scene, Random& random) {
   constexpr double kHalf_m = 2.5, kTop_m = 3.2;
   const double x_m = approach(scene, random);

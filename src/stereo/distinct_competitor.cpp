@@ -23,13 +23,13 @@ struct WindowRow {
   int width_px, num_disparities;
   const std::uint8_t *above, *middle, *below, *winner;
   std::uint8_t* columns;
-  std::uint64_t *as_good, *barrier, *told;
+  std::uint64_t *as_good, *barrier, *worse;
 };
 
 constexpr int kColumns = 8;  // kept: those of a window and one more; a power of two
 
 constexpr int kLargestWindow = (2 * DistinctCompetitor::kReach_px + 1) * (3 * kCensusBits / 2);
-static_assert(kLargestWindow + std::max(DistinctCompetitor::kBarrier, DistinctCompetitor::kTold) <= 255, "8 bits");
+static_assert(kLargestWindow + std::max(DistinctCompetitor::kBarrier, DistinctCompetitor::kWorse) <= 255, "8 bits");
 
 }  // namespace
 }  // namespace flight_corridor
@@ -72,8 +72,8 @@ void windowsOf(const WindowRow& row) {
     }
   }
   alignas(64) std::uint8_t costs[kStored];
-  std::uint64_t *as_good = row.as_good, *barrier = row.barrier, *told = row.told;
-  for (int u = 0; u < row.width_px; ++u, as_good += kWords, barrier += kWords, told += kWords) {
+  std::uint64_t *as_good = row.as_good, *barrier = row.barrier, *worse = row.worse;
+  for (int u = 0; u < row.width_px; ++u, as_good += kWords, barrier += kWords, worse += kWords) {
     const Curve<kVectors> entering = column<kVectors>(row, std::min(u + kReach, last_u));
     store(entering, place(u + kReach));
     FLIGHT_CORRIDOR_UNROLL for (int k = 0; k < kVectors; ++k) {
@@ -85,13 +85,14 @@ void windowsOf(const WindowRow& row) {
         std::min({costs[std::max(winner - 1, 0)], costs[winner], costs[std::min(winner + 1, last)]});
     const Vector good = hn::Set(bytes, static_cast<std::uint8_t>(best + DistinctCompetitor::kAsGood));
     const Vector bad = hn::Set(bytes, static_cast<std::uint8_t>(best + DistinctCompetitor::kBarrier));
-    const Vector worse = hn::Set(bytes, static_cast<std::uint8_t>(best + DistinctCompetitor::kTold));
+    const Vector distinct = hn::Set(bytes, static_cast<std::uint8_t>(best + DistinctCompetitor::kWorse));
     const Curve<kVectors> leaving = load<kVectors>(place(u - kReach));
     FLIGHT_CORRIDOR_UNROLL for (int k = 0; k < kVectors; ++k) {
       constexpr int kMaskBytes = kLanes / 8;
       hn::StoreMaskBits(bytes, atMost(window.part[k], good), reinterpret_cast<std::uint8_t*>(as_good) + k * kMaskBytes);
       hn::StoreMaskBits(bytes, atMost(bad, window.part[k]), reinterpret_cast<std::uint8_t*>(barrier) + k * kMaskBytes);
-      hn::StoreMaskBits(bytes, atMost(worse, window.part[k]), reinterpret_cast<std::uint8_t*>(told) + k * kMaskBytes);
+      hn::StoreMaskBits(bytes, atMost(distinct, window.part[k]),
+                        reinterpret_cast<std::uint8_t*>(worse) + k * kMaskBytes);
       window.part[k] = hn::Sub(window.part[k], leaving.part[k]);
     }
   }
@@ -120,13 +121,13 @@ DistinctCompetitor::DistinctCompetitor(int width_px, int min_disparity_px, int n
       columns_(kColumns * storedDisparities(num_disparities)),
       as_good_(static_cast<std::size_t>(width_px) * words_),
       barrier_(static_cast<std::size_t>(width_px) * words_),
-      told_(static_cast<std::size_t>(width_px) * words_) {}
+      worse_(static_cast<std::size_t>(width_px) * words_) {}
 
 void DistinctCompetitor::find(const std::array<const std::uint8_t*, 3>& costs, const std::uint8_t* winner,
                               const CompetitorRow& out) {
   HWY_DYNAMIC_DISPATCH(windows)
   ({width_px_, num_disparities_, costs[0], costs[1], costs[2], winner, columns_.data(), as_good_.data(),
-    barrier_.data(), told_.data()});
+    barrier_.data(), worse_.data()});
   withWords(words_, [&](auto words) { judge<words>(winner, out); });
 }
 
@@ -134,8 +135,8 @@ void DistinctCompetitor::find(const std::array<const std::uint8_t*, 3>& costs, c
 /// winner that at least half of the disparities are worse than whose whole window it sees.
 template <int kWords>
 void DistinctCompetitor::judge(const std::uint8_t* winners, const CompetitorRow& out) const {
-  const std::uint64_t *as_good = as_good_.data(), *barrier = barrier_.data(), *told = told_.data();
-  for (int u = 0; u < width_px_; ++u, as_good += kWords, barrier += kWords, told += kWords) {
+  const std::uint64_t *as_good = as_good_.data(), *barrier = barrier_.data(), *worse = worse_.data();
+  for (int u = 0; u < width_px_; ++u, as_good += kWords, barrier += kWords, worse += kWords) {
     const int winner = winners[u];
     const int first_seen = std::max(0, u - (width_px_ - 1) - min_disparity_px_);
     const int last_seen = std::min(num_disparities_ - 1, u - min_disparity_px_);
@@ -143,7 +144,7 @@ void DistinctCompetitor::judge(const std::uint8_t* winners, const CompetitorRow&
     const int last_whole = std::min(num_disparities_ - 1, std::max(u - kReach_px, 0) - min_disparity_px_);
     const int whole = last_whole - first_whole + 1;
     if (first_whole <= winner && winner <= last_whole &&
-        2 * bitsBetween(told, kWords, first_whole, last_whole) >= whole) {
+        2 * bitsBetween(worse, kWords, first_whole, last_whole) >= whole) {
       out.flags[u] |= kDistinct;
     }
     const int nearer = lastBitTo(as_good, kWords, last_seen), farther = firstBitFrom(as_good, kWords, first_seen);

@@ -223,7 +223,7 @@ inline bool isDistinct(const Volume& cost, int u, int v, int winner) {
   int worse = 0, others = 0;
   for (int d = 0; d < cost.size.num_disparities; ++d) {
     if (!is_whole(d)) continue;
-    ++(window[d] >= best + DistinctCompetitor::kTold ? worse : others);
+    ++(window[d] >= best + DistinctCompetitor::kWorse ? worse : others);
   }
   return is_whole(winner) && worse >= others;
 }

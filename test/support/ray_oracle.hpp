@@ -15,7 +15,7 @@ namespace flight_corridor::test_support {
 enum class Cell { Unknown, Free, Occupied };
 
 /// What one depth image says of every cell that a pixel's line touches, found
-/// the slow, obvious way: each line is walked from cell to cell, in double
+/// by the slow, obvious method: each line is walked from cell to cell, in double
 /// precision. The rule is OccupancyMap's, said cell by cell:
 /// - Occupied: the cell holds max(min_hit_points, hit_fraction * f^2 r^2 / Z^2)
 /// points or more, Z the depth of its

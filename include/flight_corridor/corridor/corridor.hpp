@@ -11,19 +11,21 @@
 
 namespace flight_corridor {
 
+/// Section `corridor/`: the UAV-sized box ahead, and when it is not FREE.
 struct CorridorConfig {
-  std::string frame_id;  ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
-  double width_m = 1.2;
-  double height_m = 0.4;
-  double length_m = 4.0;              ///< D_min: nearer obstacles block.
+  std::string frame_id;   ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
+  double width_m = 1.2;   ///< Of the UAV with what it needs beside it.
+  double height_m = 0.4;  ///< Of the UAV with what it needs above and below.
+  double length_m = 4.0;  ///< D_min: nearer obstacles block.
   Eigen::Vector3d offset_m{0, 0, 0};  ///< Shift of the box's start: forward, left, up.
   double margin_m = 0.0;              ///< Added on every side and at the end.
   double blind_m = 0.4;               ///< Nearer to the camera nothing needs to have been observed.
   double max_unknown_fraction = 0.1;  ///< More unobserved volume than this: UNKNOWN.
-  double smallest_obstacle_m = 0.05;  ///< Edge of a square: of smaller patches nothing is made; 0: of all something is.
+  double smallest_obstacle_m = 0.05;  ///< Edge of a square: smaller patches of matches are dropped; 0: none is.
   double hold_s = 0.25;    ///< After BLOCKED nothing is FREE for so long, but what was broad and is seen to have gone.
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };
+/// Every broken rule.
 Violations check(const CorridorConfig& config);
 
 /// What the octree says of a box.

@@ -15,10 +15,11 @@ namespace flight_corridor {
 /// something is farther: no wall shows at the very distance of the pattern. And no fence's bars are as far apart as
 /// those of a near railing would be there.
 /// @param depth_m CV_32FC1 of the pair's size, NaN = nothing known.  @param nearest_m that is searched.
-/// @param is_told whether the LiDAR's beam meets something in the view of the box's end:
+/// @param is_lidar_valid whether the LiDAR's beam meets something in the view of the box's end:
 /// where nearly all windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
 /// @param memory for scratch.
-bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m, bool is_told,
-                  const StereoGeometry& geometry, std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
+                  bool is_lidar_valid, const StereoGeometry& geometry,
+                  std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace flight_corridor

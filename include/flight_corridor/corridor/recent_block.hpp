@@ -10,7 +10,7 @@
 namespace flight_corridor {
 
 /// What blocked a box lately, and whether it may be there still though the newest image does not show it. Images that
-/// follow each other miss thin and small things now and then, and move what stands at the box's edge in and out.
+/// follow each other miss thin and small obstacles now and then, and move what stands at the box's edge in and out.
 class RecentBlock {
  public:
   /// @param hold_s for so long FREE waits for what may be missed.

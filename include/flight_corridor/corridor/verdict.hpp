@@ -36,7 +36,7 @@ enum Reason : std::uint32_t {
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
   kUnmatched = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
                             ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
-  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare thing's outline, or
+  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare obstacle's outline, or
                             ///< mistakes.
   kLidarNearer = 1u << 16,  ///< UNKNOWN: the LiDAR met something lastingly nearer than stereo sees, which shows nothing
                             ///< there beside the beam either; or it says that something is too close to be measured.
@@ -51,7 +51,7 @@ std::string describeReasons(std::uint32_t reasons);
 
 /// The answer for one stereo pair.
 struct Verdict {
-  double stamp_s = kNaN;
+  double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
   double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1]; Corridor::inspect().

@@ -8,7 +8,7 @@
 
 namespace flight_corridor {
 
-constexpr double kSmallestScale = 0.9;  ///< Smallest factor from a told depth to the true one that is reckoned with.
+constexpr double kSmallestScale = 0.9;  ///< Lower bound of true over measured depth.
 
 /// Projection matrices of a rectified pair, as numbers.
 struct StereoCalibration {

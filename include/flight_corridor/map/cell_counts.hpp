@@ -10,6 +10,7 @@ namespace flight_corridor {
 /// nodes hold them. Open addressing: no allocation once it has held as many cubes before.
 class CellCounts {
  public:
+  /// Counts of the eight cells of a cube.
   struct Cube {
     std::uint32_t key;
     std::array<std::uint32_t, 8> counts;

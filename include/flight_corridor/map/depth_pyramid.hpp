@@ -22,7 +22,7 @@ class DepthPyramid {
     int left, top, right, bottom;
   };
 
-  /// Eight rectangles, side by side so that the compiler reckons several at once.
+  /// Eight rectangles, side by side so that the compiler vectorises over them.
   struct EightTiles {
     int left[8], top[8], right[8], bottom[8];
     Tiles operator[](unsigned i) const { return {left[i], top[i], right[i], bottom[i]}; }

@@ -8,8 +8,8 @@
 
 namespace flight_corridor {
 
-/// An octomap::OcTree that takes evidence for whole cubes. The way from the root to the last cube is kept, so that a
-/// neighbour costs a step or two; inner nodes are put right when the way leaves them. It owns its nodes and uses them
+/// An octomap::OcTree that takes evidence for whole cubes. The path from the root to the last cube is kept, so that
+/// a neighbour costs a step or two; inner nodes are updated when the path leaves them. It owns its nodes and uses them
 /// again: a map built anew for each image allocates nothing, and clearing it costs nothing. Only the methods declared
 /// here may change it; those of OctoMap that do not are free.
 class EvidenceTree : public octomap::OcTree {
@@ -29,7 +29,7 @@ class EvidenceTree : public octomap::OcTree {
   /// @param children bit i: child i of the cube.
   void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, float log_odds);
 
-  /// Puts the inner nodes right, prunes. Needed after the last evidence before the tree is read or changed otherwise.
+  /// Updates the inner nodes, prunes. Needed after the last evidence before the tree is read or changed otherwise.
   void settle();
 
   /// Makes all cells between two, corners of a box of cells, unknown.
@@ -48,14 +48,14 @@ class EvidenceTree : public octomap::OcTree {
   }
 
  private:
-  /// The children of a node, side by side, and OctoMap's table of those that are there.
-  struct Family {
+  /// Sibling nodes, side by side, and OctoMap's table of those that are there.
+  struct Siblings {
     octomap::AbstractOcTreeNode* children[8];
     octomap::OcTreeNode nodes[8];
   };
 
   void leaveUntil(unsigned depth);
-  void putRight(octomap::OcTreeNode* node);
+  void updateInnerNode(octomap::OcTreeNode* node);
   void enter(const octomap::OcTreeKey& key, unsigned depth);
   octomap::OcTreeNode* openChild(octomap::OcTreeNode* node, unsigned child);
   void openRoot();
@@ -64,19 +64,19 @@ class EvidenceTree : public octomap::OcTree {
   bool forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth, const octomap::OcTreeKey& low,
                 const octomap::OcTreeKey& high);
   void putAwayChildren(octomap::OcTreeNode* node);
-  static Family* familyOf(octomap::OcTreeNode* node);
-  Family& takeFamily();
+  static Siblings* siblingsOf(octomap::OcTreeNode* node);
+  Siblings& takeSiblings();
   octomap::OcTreeNode* createChild(octomap::OcTreeNode* node, unsigned i);
   unsigned sharedDepth(const octomap::OcTreeKey& key, unsigned depth) const;
 
-  std::array<octomap::OcTreeNode*, kDepth + 1> way_{};  // nodes from the root to the last cube
-  octomap::OcTreeKey at_;                               // a cell of the last cube
+  std::array<octomap::OcTreeNode*, kDepth + 1> path_{};  // nodes from the root to the last cube
+  octomap::OcTreeKey at_;                                // a cell of the last cube
   unsigned at_depth_ = 0;
   bool is_open_ = false;
   octomap::OcTreeNode root_node_;
-  std::deque<Family> families_;  // those ever used, in the order in which a new tree takes them
-  std::size_t families_used_ = 0;
-  std::vector<Family*> spare_families_;  // used before, out of the tree
+  std::deque<Siblings> siblings_;  // those ever used, in the order in which a new tree takes them
+  std::size_t siblings_used_ = 0;
+  std::vector<Siblings*> spare_siblings_;  // used before, out of the tree
 };
 
 }  // namespace flight_corridor

@@ -21,13 +21,13 @@ class FreeSpace {
   static constexpr unsigned kBlockDepth = EvidenceTree::kDepth - 4;  ///< Of cubes searched by a thread each.
 
   /// Free children of a cube of the octree.
-  struct Family {
+  struct FreeChildren {
     octomap::OcTreeKey key;  // of the cube's lowest cell
     unsigned depth;          // of the cube, 0 = root
     unsigned children;       // bit i: child i
   };
 
-  using Families = std::vector<Family>;
+  using FreeCubes = std::vector<FreeChildren>;
 
   /// @param nearest_m depth of the nearest surface that would have been seen: nothing nearer is shown free.
   FreeSpace(const MapConfig& config, const StereoGeometry& geometry, double nearest_m);
@@ -35,7 +35,7 @@ class FreeSpace {
   /// All free cells, by large cubes that hold nothing else; within a block by the largest.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
   /// @return lists of neighbours; which threads found them makes no difference.
-  const std::vector<Families>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
+  const std::vector<FreeCubes>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
  private:
   struct Parts;
@@ -55,8 +55,8 @@ class FreeSpace {
   };
 
   void orientCubes(const Eigen::Isometry3f& T_C_M);
-  void findBelow(const Cube& cube, Families& free, std::vector<Cube>* blocks) const;
-  unsigned descend(const Cube& cube, Families& free, std::vector<Cube>* blocks) const;
+  void findBelow(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const;
+  unsigned descend(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const;
   void project(const Cube& cube, Parts& parts) const;
   void compareWithRays(int least_tiles, Parts& parts) const;
   int leastTilesOfCells(const Cube& cube) const;
@@ -70,7 +70,7 @@ class FreeSpace {
   std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
   std::array<Orientation, EvidenceTree::kDepth + 1> orientations_;  // per depth
   std::vector<Cube> blocks_;                                        // to be descended into side by side
-  std::vector<Families> free_ = std::vector<Families>(1);           // above the blocks, then of each block
+  std::vector<FreeCubes> free_ = std::vector<FreeCubes>(1);         // above the blocks, then of each block
 };
 
 }  // namespace flight_corridor

@@ -6,6 +6,7 @@
 
 namespace flight_corridor {
 
+/// Section `map/`: the OctoMap, and what makes its cells occupied and free.
 struct MapConfig {
   std::string frame_id;           ///< "" = camera frame, map built anew for each image; else the fixed frame, by tf.
   double resolution_m = 0.10;     ///< Edge of a cell.
@@ -17,9 +18,9 @@ struct MapConfig {
   double min_ray_fraction = 0.4;  ///< Share of a cell's view that must hold depth, all past the cell, to clear it.
   double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
   double log_odds_miss = -1.1;    ///< Added for a miss; two make an occupied cell free.
-  double log_odds_min = -2.0;     ///< Clamping limits.
-  double log_odds_max = 2.0;
-  double forget_s = 10.0;  ///< In a fixed frame: space without evidence for so long is unknown again.
+  double log_odds_min = -2.0;     ///< Clamping limit below.
+  double log_odds_max = 2.0;      ///< Clamping limit above.
+  double forget_s = 10.0;         ///< In a fixed frame: space without evidence for so long is unknown again.
 };
 Violations check(const MapConfig& config);
 

@@ -10,6 +10,7 @@
 
 namespace flight_corridor {
 
+/// Section `lidar/`: the one-dimensional LiDAR and its footprint in the left image.
 struct LidarConfig {
   double min_range_m = 0.2;          ///< Readings below are refused, also when the message allows them.
   double max_range_m = 100.0;        ///< Readings above mean "nothing in range".

@@ -15,7 +15,7 @@ class LidarWatch {
   double range(double stamp_s, double max_age_s) const;
   /// Whether a reading, at most so old, was believed, and all since then were of farther surfaces: the beam passes what
   /// it met.
-  bool hasTold(double stamp_s, double max_age_s) const;
+  bool hasValidRange(double stamp_s, double max_age_s) const;
   /// Whether a reading, at most so old, said that something is too close to be measured, -inf (REP-117), and none was
   /// believed since.
   bool isTooClose(double stamp_s, double max_age_s) const;
@@ -33,7 +33,7 @@ class LidarWatch {
 
   RangeReading newest_;  // its stamp is NaN before the first one
   bool fused_ = false;
-  RangeReading told_;                          // the last one that was believed, unless a nearer one was not since
+  RangeReading valid_;                         // the last one that was believed, unless a nearer one was not since
   double too_close_s_ = kNaN;                  // of the last reading that said so, unless one was believed since
   int repetitions_ = 0;                        // of its range, by the readings before it
   double rate_hz_ = 0.0, best_rate_hz_ = 0.0;  // at the newest reading, and the best of late

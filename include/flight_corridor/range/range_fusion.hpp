@@ -10,6 +10,7 @@
 
 namespace flight_corridor {
 
+/// Section `fusion/`: noise, gate and memory of the range's Kalman filter.
 struct FusionConfig {
   double acceleration_sigma_mps2 = 3.0;     ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
   double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
@@ -20,6 +21,7 @@ struct FusionConfig {
   double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
   double buffer_s = 0.5;                    ///< Readings up to so late are put where they belong.
 };
+/// Every broken rule.
 Violations check(const FusionConfig& config);
 
 enum class Sensor : std::uint8_t { Lidar = 0, Stereo = 1 };
@@ -37,9 +39,9 @@ struct Dissent {
 struct RangeEstimate {
   double range_m =
       kNaN;  ///< d_K along the beam, not negative; NaN unless two readings agreed and one came within fusion/max_gap_s.
-  double sigma_m = kNaN;
-  double rate_mps = kNaN;
-  std::optional<Dissent> dissent;
+  double sigma_m = kNaN;           ///< One sigma of range_m.
+  double rate_mps = kNaN;          ///< Of range_m; negative while the surface comes nearer.
+  std::optional<Dissent> dissent;  ///< None while the sensors agree.
 };
 
 /// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
@@ -51,9 +53,10 @@ class RangeFusion {
   /// @throws std::invalid_argument with every broken rule.
   explicit RangeFusion(const FusionConfig& config);
 
-  /// @param variance_m2 measurement noise R, > 0.
+  /// @param range_m along the beam, > 0.  @param variance_m2 measurement noise R, > 0.
   /// @param common_sigma_1pm one sigma of an error of the inverse range that is the same in all of the sensor's
   /// readings [1/m]: it counts against the other sensor, not among them.
+  /// @return what became of it; Invalid for what is not finite or not positive (not an error).
   Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2, double common_sigma_1pm = 0.0);
 
   /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
@@ -76,7 +79,7 @@ class RangeFusion {
     double period_s = kInfinity;     // from the one before to that
     double gated_since_s = kNaN;
     Reading gated;         // the newest of that run
-    bool outlier = false;  // the last gated reading told of something else, and was passed over
+    bool outlier = false;  // the last gated reading was of another surface, and was passed over
     Reading passed_over;   // the last one that was
     double gatedFor() const { return gated.stamp_s - gated_since_s; }
   };

@@ -19,13 +19,14 @@ struct TrackedRange {
   RangeEstimate range;           ///< d_K at the pair's stamp.
   double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
   double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
-  bool lidar_tells = false;      ///< d_K rests on the LiDAR: it is not slow, not in lasting disagreement, and a reading
-                                 ///< was believed within fusion/max_gap_s, since when all were of something farther.
-  bool lidar_is_nearer = false;  ///< Than stereo, lastingly, which shows nothing there beside the beam; or too close.
-  bool lidar_is_slow = false;    ///< Its rate fell below a third.
+  /// d_K rests on the LiDAR: it is not slow, not in lasting disagreement, and a reading was believed within
+  /// fusion/max_gap_s, since when all were of something farther.
+  bool lidar_range_valid = false;
+  bool lidar_is_nearer = false;    ///< Than stereo, lastingly, which shows nothing there beside the beam; or too close.
+  bool lidar_is_slow = false;      ///< Its rate fell below a third.
   bool lidar_is_rejected = false;  ///< Its newest reading was refused or gated.
   double scale = 1.0;              ///< Depth after / before correction, at D_c (at 4 m without one).
-  double scale_sigma = kNaN;
+  double scale_sigma = kNaN;       ///< One sigma of it, for what is unknown of the rig.
   Outcome stereo_outcome = Outcome::Invalid;  ///< What became of D_c; Invalid without one.
 };
 

@@ -9,8 +9,9 @@
 
 namespace flight_corridor {
 
+/// Section `scale/`: how wrong the rig may be, and how its error is learnt.
 struct ScaleConfig {
-  bool enabled = true;
+  bool enabled = true;                     ///< false: depth is f*B/d as calibrated.
   double max_correction = 0.15;            ///< Largest relative change of a depth.
   double prior_sigma = 0.07;               ///< How wrong the calibration's scale is expected to be.
   double offset_prior_sigma_px = 0.7;      ///< How wrong its disparity offset is expected to be.

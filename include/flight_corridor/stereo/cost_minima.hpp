@@ -25,7 +25,7 @@ enum MatchFlag : std::uint8_t {
   kConsistent = 1u << 0,  ///< The right view's best match is the same, within kConsistent_px.
   kHidden = 1u << 1,      ///< It is not, for the right view shows something nearer there.
   kCompetitor = 1u << 2,  ///< Another disparity, a barrier away, fits a small window as well.
-  kDistinct = 1u << 3,    ///< The images around the pixel themselves tell its best disparity from most others.
+  kDistinct = 1u << 3,    ///< The costs of its own window are lower at its best disparity than at most others.
 };
 
 /// Minima of the sums over paths, of the left view's pixels and, along the diagonals of the same sums, of the right

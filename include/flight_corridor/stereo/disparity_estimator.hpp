@@ -12,6 +12,7 @@
 
 namespace flight_corridor {
 
+/// Section `stereo/`: the matcher.
 struct StereoConfig {
   std::string engine = "semi_global";  ///< semi_global: our own; opencv: the paper's SGBM and WLS filter.
   int num_disparities_px = 128;        ///< Search range, a multiple of 32.

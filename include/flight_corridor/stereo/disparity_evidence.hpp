@@ -14,7 +14,7 @@ constexpr float kBoundSlack_px = 1.0f;
 /// What a pair says of each pixel of the left image. All maps have the image's size; disparities are CV_32FC1 [px],
 /// principal-point difference removed, NaN = none.
 struct DisparityEvidence {
-  cv::Mat best_px;      ///< Sub-pixel match on which both views agree and which its own surroundings tell.
+  cv::Mat best_px;      ///< Sub-pixel match on which both views agree and which its own window supports.
   cv::Mat repeated_px;  ///< Such a match that has a distinct competitor farther away: of a pattern, nobody knows where.
   cv::Mat farthest_px;  ///< Smallest disparity that the images do not contradict, less kBoundSlack_px.
   cv::Mat nearest_px;   ///< Largest one, plus kBoundSlack_px.

@@ -20,9 +20,9 @@ struct WindowMoments {
 };
 
 /// Where between whole disparities a match lies. Mean of two that err independently: a parabola through the sums over
-/// paths, which is drawn to whole pixels, and the window's shift that explains the difference of the images best (Lucas
-/// and Kanade 1981), whatever the two exposures' offset. The latter counts less where there is little gradient, and not
-/// where it leads away from the match.
+/// paths, which is biased towards whole pixels, and the window's shift that explains the difference of the images best
+/// (Lucas and Kanade 1981), whatever the two exposures' offset. The latter counts less where there is little gradient,
+/// and not where it leads away from the match.
 /// @param below, least, above sums at the disparity and one to each side, least the smallest.
 /// @return [1 / kSubpixels px], at most a pixel from 0.
 int subpixelOffset(int below, int least, int above, const WindowMoments& window);

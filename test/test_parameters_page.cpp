@@ -1,0 +1,153 @@
+// doc/parameters.md is what the code, and the comments of config/default.yaml, say.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ros/params.hpp"
+
+namespace flight_corridor_ros {
+namespace {
+
+const std::string kSource = FLIGHT_CORRIDOR_SOURCE_DIR;
+const std::string kConstants = "## Tuned constants\n";  // begins the part of the page that is written by hand
+
+std::string textOf(const std::string& path) {
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> linesOf(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// What the checks demand of a parameter, joined by "; ": from the complaints about values that no rule allows.
+std::string rulesOf(const std::string& key, const Value& value) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Value> impossible;
+  if (std::holds_alternative<double>(value)) impossible = {kNone};
+  if (std::holds_alternative<int>(value)) {
+    impossible = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
+  }
+  if (std::holds_alternative<bool>(value)) impossible = {std::string()};
+  if (std::holds_alternative<std::string>(value)) impossible = {std::string(), std::string("/")};
+  if (std::holds_alternative<std::vector<double>>(value)) impossible = {std::vector<double>(3, kNone)};
+  std::string rules;
+  for (const Value& candidate : impossible) {
+    try {
+      makeConfig({{key, candidate}});
+    } catch (const std::invalid_argument& error) {
+      std::istringstream complaint(error.what());
+      for (std::string line; std::getline(complaint, line);) {
+        const std::string begin = "  " + key + ": ";
+        if (line.rfind(begin, 0) != 0) continue;
+        const std::string rule = line.substr(begin.size(), line.rfind(" (") - begin.size());
+        if (rules.find(rule) == std::string::npos) rules += (rules.empty() ? "" : "; ") + rule;
+      }
+    }
+  }
+  return rules.empty() ? "any" : std::regex_replace(rules, std::regex("^expects "), "");
+}
+
+/// The tables: key, default, unit and meaning from config/default.yaml, rules from the code.
+std::string tables() {
+  const std::regex section("(\\w+):\\s*(?:# (.*))?"),
+      parameter("  (\\w+): (\"[^\"]*\"|\\[[^\\]]*\\]|\\S+) *(?:# (.*))?");
+  const std::regex unit_and_meaning("\\[([^\\]]*)\\] ?(.*)");
+  const Values defaults = toValues(NodeConfig());
+  std::string text, name;
+  for (const std::string& line : linesOf(kSource + "/config/default.yaml")) {
+    std::smatch part;
+    if (std::regex_match(line, part, section)) {
+      name = part[1];
+      text += "\n## " + name + "\n\n" + part[2].str() +
+              ".\n\n| key | default | unit | rule | meaning |\n|---|---|---|---|---|\n";
+    } else if (std::regex_match(line, part, parameter)) {
+      const std::string key = name + "/" + part[1].str(), comment = part[3];
+      std::smatch words;
+      const bool has_unit = std::regex_match(comment, words, unit_and_meaning);
+      const std::string unit = has_unit ? words[1].str() : "", meaning = has_unit ? words[2].str() : comment;
+      EXPECT_FALSE(meaning.empty()) << key << " has no meaning in config/default.yaml";
+      text += "| `" + part[1].str() + "` | `" + part[2].str() + "` | " + unit + " | " + rulesOf(key, defaults.at(key)) +
+              " | " + meaning + " |\n";
+    }
+  }
+  return text;
+}
+
+TEST(ParametersPage, HoldsEveryParameterAsTheCodeHasIt) {
+  const std::string page = textOf(kSource + "/doc/parameters.md");
+  const std::size_t first = page.find("\n## "), end = page.find(kConstants);
+  ASSERT_TRUE(first != std::string::npos && end != std::string::npos);
+  const std::string printed = page.substr(0, first) + tables() + "\n" + page.substr(end);
+  const std::string path = testing::TempDir() + "parameters.md";
+  std::ofstream(path) << printed;
+  EXPECT_TRUE(page == printed) << "The page as the code has it is in " << path << ": copy it to doc/parameters.md.";
+}
+
+/// Constants of a folder's headers or sources, at the scope of the namespace or of a class, as "file: name" and value.
+void collectConstants(const std::string& folder, std::map<std::string, std::string>& constants) {
+  const std::regex declaration("(?:  static )?constexpr [^=;]*?(k[A-Z]\\w*(?:\\[\\])? = .*?)(?:;.*|  //.*|)");
+  const std::regex constant("(k[A-Z]\\w*)(?:\\[\\])? = ([^,{]+|\\{[^}]*\\})");
+  for (const auto& file : std::filesystem::directory_iterator(kSource + folder)) {
+    if (!file.is_regular_file()) continue;
+    for (const std::string& line : linesOf(file.path())) {
+      std::smatch part;
+      if (!std::regex_match(line, part, declaration)) continue;
+      const std::string all = part[1];
+      for (std::sregex_iterator one(all.begin(), all.end(), constant), end; one != end; ++one) {
+        constants[file.path().stem().string() + ": " + (*one)[1].str()] =
+            std::regex_replace((*one)[2].str(), std::regex("([0-9])f\\b"), "$1");
+      }
+    }
+  }
+}
+
+/// So each constant of the core is either in the table, with its value, or in the list of those that are not tuned.
+TEST(ParametersPage, NamesEveryConstantOfTheCore) {
+  std::map<std::string, std::string> constants;
+  for (const char* wing : {"", "/stereo", "/range", "/map", "/corridor", "/geometry"}) {
+    collectConstants(std::string("/include/flight_corridor") + wing, constants);
+    collectConstants(std::string("/src") + wing, constants);
+  }
+  const std::string page = textOf(kSource + "/doc/parameters.md");
+  const std::string by_hand = page.substr(std::min(page.size(), page.find(kConstants)));
+  const std::size_t plain_at = by_hand.find("Not tuned: ");
+  ASSERT_NE(plain_at, std::string::npos);
+  const std::string tuned = by_hand.substr(0, plain_at), plain = by_hand.substr(plain_at);
+  std::set<std::string> named;
+  const std::regex row("\\| (\\w+) \\| `(k\\w+)` \\| ([^|]*) \\| [^|]+ \\| [^|]+ \\| [^|]+ \\|\n");
+  for (std::sregex_iterator one(tuned.begin(), tuned.end(), row), end; one != end; ++one) {
+    const std::string name = (*one)[1].str() + ": " + (*one)[2].str();
+    EXPECT_EQ(constants.count(name) > 0 ? constants.at(name) : "no such constant", (*one)[3].str()) << name;
+    EXPECT_TRUE(named.insert(name).second) << name << " stands twice";
+  }
+  std::cout << named.size() << " tuned constants\n";
+  const std::regex file("([\\w-]+) \\(([^)]*)\\)"), word("k\\w+");
+  for (std::sregex_iterator one(plain.begin(), plain.end(), file), end; one != end; ++one) {
+    const std::string names = (*one)[2];
+    for (std::sregex_iterator name(names.begin(), names.end(), word); name != end; ++name) {
+      EXPECT_TRUE(named.insert((*one)[1].str() + ": " + name->str()).second) << name->str() << " stands twice";
+    }
+  }
+  for (const auto& [name, value] : constants) {
+    EXPECT_TRUE(named.count(name)) << name << " = " << value << " is new: put it into the table, or among the others";
+  }
+  for (const std::string& name : named) EXPECT_TRUE(constants.count(name)) << name << " is no constant";
+}
+
+}  // namespace
+}  // namespace flight_corridor_ros
