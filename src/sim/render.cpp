@@ -10,11 +10,10 @@ namespace flight_corridor::sim {
 namespace {
 
 constexpr float kSky = 1.0f;
-constexpr float kAmbient = 0.55f;
+constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
 constexpr int kTile_px = 16;
 constexpr int kSubsamples = 8;  // on outlines only
-const Eigen::Vector3d kToSun_W = Eigen::Vector3d(-0.5, 0.4, 0.75).normalized();
 
 /// Where on the image a primitive can be.
 struct Extent {
@@ -77,14 +76,15 @@ Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::I
 }
 
 /// Nearest first; also what only a mirror can show.
-std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera) {
+std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera,
+                          const Eigen::Vector3d& to_sun_W) {
   std::vector<View> views;
   for (const Primitive& primitive : primitives) {
     if (!primitive.material.camera_sees) continue;
     const Eigen::Isometry3d T_O_C = primitive.T_W_O.inverse() * camera.T_W_C;
     const Extent extent = extentOf(primitive, camera, T_O_C.inverse());
     views.push_back({&primitive, T_O_C.translation().cast<float>(), T_O_C.linear().cast<float>(),
-                     (primitive.T_W_O.linear().transpose() * kToSun_W).cast<float>(), extent});
+                     (primitive.T_W_O.linear().transpose() * to_sun_W).cast<float>(), extent});
   }
   std::sort(views.begin(), views.end(),
             [](const View& a, const View& b) { return a.extent.nearest_m < b.extent.nearest_m; });
@@ -94,9 +94,10 @@ std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera
 /// One image under way, tile by tile: first a ray through each pixel, then more rays where neighbours differ.
 class Renderer {
  public:
-  Renderer(const std::vector<Primitive>& primitives, const Camera& camera)
+  Renderer(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light)
       : camera_(camera),
-        views_(viewsOf(primitives, camera)),
+        light_(light),
+        views_(viewsOf(primitives, camera, light.to_sun_W)),
         tiles_((camera.size_px.width + kTile_px - 1) / kTile_px, (camera.size_px.height + kTile_px - 1) / kTile_px),
         candidates_(tiles_.area()),
         ids_(camera.size_px, CV_32SC1),
@@ -175,8 +176,13 @@ class Renderer {
       nearest = *hit;
       nearest_id = id;
     }
-    if (nearest_id == kSkyId) return {};
-    return look(nearest_id, nearest, direction_C);
+    return nearest_id == kSkyId ? sky(direction_C) : look(nearest_id, nearest, direction_C);
+  }
+
+  Sample sky(const Eigen::Vector3f& direction_C) const {
+    Sample sample;
+    if (light_.has_clouds) sample.radiance = cloudySky(camera_.T_W_C.linear().cast<float>() * direction_C);
+    return sample;
   }
 
   Sample look(int id, const SurfacePoint& surface, const Eigen::Vector3f& direction_C) const {
@@ -217,11 +223,16 @@ class Renderer {
     const float facing = std::max(-normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
     // Seen aslant the footprint is stretched one way only: the geometric mean of both edges.
     const float footprint_m = path_m / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
-    const float light = kAmbient + (1.0f - kAmbient) * std::max(normal_O.dot(view.to_sun_O), 0.0f);
-    return light * reflectance(view.primitive->material, point_O, footprint_m);
+    float sun = std::max(normal_O.dot(view.to_sun_O), 0.0f);
+    if (light_.shadows && sun > 0.0f) sun *= light_.shadows->lit(view.primitive->T_W_O.cast<float>() * point_O);
+    const float light = light_.ambient + (1.0f - light_.ambient) * sun;
+    const float radiance = light * reflectance(view.primitive->material, point_O, footprint_m);
+    if (light_.haze_m == kInfinity) return radiance;
+    return kHaze + (radiance - kHaze) * std::exp(-path_m / static_cast<float>(light_.haze_m));
   }
 
   const Camera& camera_;
+  const Light& light_;
   std::vector<View> views_;
   cv::Size tiles_;
   std::vector<std::vector<int>> candidates_;  // per tile, nearest first
@@ -231,8 +242,8 @@ class Renderer {
 
 }  // namespace
 
-Rendering render(const std::vector<Primitive>& primitives, const Camera& camera) {
-  return Renderer(primitives, camera).run();
+Rendering render(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light) {
+  return Renderer(primitives, camera, light).run();
 }
 
 }  // namespace flight_corridor::sim

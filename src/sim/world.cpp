@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/texture.hpp"
+
 namespace flight_corridor::sim {
 namespace {
 
@@ -50,6 +52,19 @@ void clipByRound(const Eigen::Vector3f& within, float radius_m, const Eigen::Vec
   }
 }
 
+/// The near leaf that a ray meets, or the far one through a gap between the near ones.
+std::optional<SurfacePoint> meetLeaf(const Primitive& foliage, const Passage& passage, const Eigen::Vector3f& origin,
+                                     const Eigen::Vector3f& direction) {
+  const auto radius_m = static_cast<float>(foliage.half_m.x());
+  if (passage.enter > passage.leave) return std::nullopt;
+  for (const float t : {passage.enter, passage.leave}) {
+    const Eigen::Vector3f point = origin + t * direction;
+    if (!(0.0f < t) || !isLeaf(point / radius_m, foliage.material.seed)) continue;
+    return SurfacePoint{t, point / (t == passage.enter ? radius_m : -radius_m)};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Primitive makeBox(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& size_m, const Material& material) {
@@ -78,6 +93,12 @@ Primitive makeSphere(const Eigen::Vector3d& centre_W, double radius_m, const Mat
   return sphere;
 }
 
+Primitive makeFoliage(const Eigen::Vector3d& centre_W, double radius_m, const Material& material) {
+  Primitive foliage = makeSphere(centre_W, radius_m, material);
+  foliage.shape = Shape::Foliage;
+  return foliage;
+}
+
 std::vector<Primitive> visibleAt(const std::vector<Primitive>& world, double time_s) {
   std::vector<Primitive> visible;
   for (const Primitive& primitive : world) {
@@ -103,6 +124,9 @@ std::optional<SurfacePoint> intersect(const Primitive& primitive, const Eigen::V
     case Shape::Sphere:
       clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
       break;
+    case Shape::Foliage:
+      clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
+      return meetLeaf(primitive, passage, origin_O, direction_O);
   }
   if (!(0.0f < passage.enter && passage.enter <= passage.leave)) return std::nullopt;
   return SurfacePoint{passage.enter, passage.normal};
