@@ -12,6 +12,7 @@ namespace {
 constexpr float kSky = 1.0f;
 constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
+constexpr int kLeafId = -2;  // of all leaves: before each other they have no outlines, there would be no end of them
 constexpr int kTile_px = 16;
 constexpr int kSubsamples = 8;  // on outlines only
 
@@ -47,9 +48,26 @@ cv::Rect pixelsBetween(const Eigen::Array3d& low, const Eigen::Array3d& high, co
   return cv::Rect(from, to) & cv::Rect({0, 0}, size_px);
 }
 
+/// Of a sphere before the camera, between the tangents to it.
+Extent extentOfSphere(const Eigen::Vector3d& centre_C, double radius_m, const Camera& camera) {
+  const auto tangents = [&](double across_m) -> Eigen::Array2d {  // as slopes, across over ahead
+    const double z_m = centre_C.z();
+    const double root = radius_m * std::sqrt(across_m * across_m + z_m * z_m - radius_m * radius_m);
+    return (Eigen::Array2d(-root, root) + across_m * z_m) / (z_m * z_m - radius_m * radius_m);
+  };
+  const Eigen::Array2d u = camera.fx_px * tangents(centre_C.x()) + camera.cx_px;
+  const Eigen::Array2d v = camera.fy_px * tangents(centre_C.y()) + camera.cy_px;
+  return {pixelsBetween({u[0], v[0], 0.0}, {u[1], v[1], 0.0}, camera.size_px), centre_C.z() - radius_m};
+}
+
 /// Of the primitive's box, cut off just before the camera: both ends of what is left of its twelve edges.
 Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::Isometry3d& T_C_O) {
   constexpr double kNear_m = 0.01;
+  const bool is_round = primitive.shape == Shape::Sphere || primitive.shape == Shape::Foliage;
+  const Eigen::Vector3d centre_C = T_C_O.translation();
+  if (is_round && centre_C.z() - primitive.half_m.x() > kNear_m) {
+    return extentOfSphere(centre_C, primitive.half_m.x(), camera);
+  }
   Eigen::Array3d low = Eigen::Array3d::Constant(kInfinity);  // u, v, depth
   Eigen::Array3d high = -low;
   const auto cornerAt = [&](int corner) -> Eigen::Vector3d {
@@ -190,6 +208,7 @@ class Renderer {
     const Eigen::Vector3f direction_O = view.R_O_C * direction_C;
     const Eigen::Vector3f point_O = view.origin_O + surface.t * direction_O;
     Sample sample{id, surface.t, shade(view, point_O, surface.normal_O, direction_O, surface.t)};
+    if (view.primitive->shape == Shape::Foliage) sample.id = kLeafId;
     const float mirror = view.primitive->material.mirror;
     if (mirror == 0.0f) return sample;
     const Sample image = mirrored(view, point_O, surface, direction_O);

@@ -14,18 +14,17 @@ constexpr double kFirstOak_x_m = 8.0, kGate_x_m = 15.0, kSecondOak_x_m = 22.5, k
 constexpr double kHalfGate_m = 1.15;
 constexpr double kTreesUntil_x_m = 42.0;
 
-Material earth(Random& random) { return textured(random, 0.30, 0.35, 0.5); }
-Material grass(Random& random) { return textured(random, 0.33, 0.55, 0.10); }
-Material leaves(Random& random) { return textured(random, 0.30, 0.45, 0.12); }
+Material grass(Random& random) { return textured(random, 0.60, 0.3, 0.03); }
+Material leaves(Random& random) { return textured(random, 0.55, 0.3, 0.03); }
 Material planks(Random& random) {
-  Material wood = textured(random, 0.42, 0.25, 0.06);
+  Material wood = textured(random, 0.5, 0.25, 0.06);
   wood.stretch = 12.0f;
   return wood;
 }
 
 Material oakBark(Random& random) {
-  Material oak = textured(random, 0.30, 0.42, 0.09);
-  oak.stretch = 5.0f;
+  Material oak = textured(random, 0.32, 0.55, 0.12);
+  oak.stretch = 4.0f;
   return oak;
 }
 
@@ -37,6 +36,13 @@ Eigen::Vector3d anyDirection(Random& random) {
   const double up = random.uniform(-1.0, 1.0);
   const double level = std::sqrt(1.0 - up * up);
   return {level * std::cos(bearing_rad), level * std::sin(bearing_rad), up};
+}
+
+Primitive turnedFoliage(const Eigen::Vector3d& centre_W, double radius_m, const Material& material, Random& random) {
+  Primitive foliage = makeFoliage(centre_W, radius_m, material);
+  const double angle_rad = random.uniform(0.0, 2.0 * M_PI);
+  foliage.T_W_O.rotate(Eigen::AngleAxisd(angle_rad, anyDirection(random)));
+  return foliage;
 }
 
 /// A branch that rises outwards, with leaves along its outer half and at its end.
@@ -53,23 +59,23 @@ void addBranch(const Eigen::Vector3d& from_W, double length_m, const Material& b
     for (int i = 0; i < 2; ++i) {
       const Eigen::Vector3d off_m = 0.25 * length_m * anyDirection(random);
       const double leafy_m = random.uniform(0.15, 0.27) * length_m;
-      scene.world.push_back(makeFoliage(bough_W + off_m, leafy_m, leaves(random)));
+      scene.world.push_back(turnedFoliage(bough_W + off_m, leafy_m, leaves(random), random));
     }
   }
 }
 
 /// A trunk that leans and thins, and branches from a height on that a UAV passes below.
 void addTree(double x_m, double y_m, double radius_m, Scene& scene, Random& random) {
-  constexpr int kPieces = 5;
-  constexpr double kPiece_m = 1.8, kThinner = 0.86, kLowestBranch_m = 3.3;
+  constexpr int kPieces = 8;
+  constexpr double kPiece_m = 1.15, kThinner = 0.92, kLowestBranch_m = 3.3;
   const Material bark = oakBark(random);
   Eigen::Vector3d foot_W(x_m, y_m, 0.0);
   for (int piece = 0; piece < kPieces; ++piece) {
-    const double lean_x = random.uniform(-0.07, 0.07);
+    const double lean_x = random.uniform(-0.08, 0.08);
     const double lean_y = random.uniform(-0.07, 0.07);
     const Eigen::Vector3d along = kPiece_m * Eigen::Vector3d(piece == 0 ? 0.0 : lean_x, piece == 0 ? 0.0 : lean_y, 1.0);
     scene.world.push_back(makeCylinder(foot_W, foot_W + along, radius_m, bark));
-    for (int branch = 0; branch < 3; ++branch) {
+    for (int branch = 0; branch < 2; ++branch) {
       const Eigen::Vector3d fork_W = foot_W + random.uniform(0.0, 1.0) * along;
       if (fork_W.z() > kLowestBranch_m) addBranch(fork_W, random.uniform(1.2, 2.6), bark, scene, random);
     }
@@ -85,7 +91,7 @@ bool isBesideTheWay(double y_m, double reach_m, const Scene& scene) {
 }
 
 void addTrees(Scene& scene, Random& random) {
-  constexpr int kTrees = 44;
+  constexpr int kTrees = 36;
   constexpr double kFarthest_y_m = 14.0;
   for (int i = 0; i < kTrees; ++i) {
     const double x_m = 2.0 + (kTreesUntil_x_m - 2.0) * (i + random.uniform(0.0, 1.0)) / kTrees;
@@ -97,38 +103,26 @@ void addTrees(Scene& scene, Random& random) {
 
 /// Bushes, tufts and stones at the sides; all of it below the UAV where it is in its way.
 void addUndergrowth(Scene& scene, Random& random) {
-  for (int i = 0; i < 420; ++i) {
+  for (int i = 0; i < 600; ++i) {
     const double x_m = random.uniform(1.0, kTreesUntil_x_m);
     const double y_m = random.uniform(-9.0, 9.0);
-    const double radius_m = random.uniform(0.08, 0.22);
-    if (isBesideTheWay(y_m, -0.6, scene)) scene.world.push_back(makeFoliage({x_m, y_m, 0.0}, radius_m, grass(random)));
+    const double radius_m = random.uniform(0.08, 0.26);
+    if (isBesideTheWay(y_m, -0.6, scene))
+      scene.world.push_back(turnedFoliage({x_m, y_m, 0.0}, radius_m, grass(random), random));
   }
   for (int i = 0; i < 60; ++i) {
     const double x_m = random.uniform(1.0, kTreesUntil_x_m);
     const double y_m = random.uniform(-11.0, 11.0);
     const double radius_m = random.uniform(0.3, 0.7);
     if (!isBesideTheWay(y_m, radius_m + 0.3, scene)) continue;
-    scene.world.push_back(makeFoliage({x_m, y_m, 0.5 * radius_m}, radius_m, leaves(random)));
-    scene.world.push_back(makeFoliage({x_m + 0.5 * radius_m, y_m, 0.2}, 0.7 * radius_m, leaves(random)));
+    scene.world.push_back(turnedFoliage({x_m, y_m, 0.5 * radius_m}, radius_m, leaves(random), random));
+    scene.world.push_back(turnedFoliage({x_m + 0.5 * radius_m, y_m, 0.2}, 0.7 * radius_m, leaves(random), random));
   }
   for (int i = 0; i < 40; ++i) {
     const double x_m = random.uniform(2.0, kTreesUntil_x_m);
     const double y_m = random.uniform(-6.0, 6.0);
     const double radius_m = random.uniform(0.08, 0.3);
-    scene.world.push_back(makeSphere({x_m, y_m, -0.4 * radius_m}, radius_m, textured(random, 0.5, 0.3, 0.15)));
-  }
-}
-
-/// The trodden path: discs of bare earth, each a little above the last so that none flickers through another.
-void addPath(Scene& scene, Random& random) {
-  double height_m = 0.004;
-  for (double x_m = -2.0; x_m < kTreesUntil_x_m; x_m += 0.7) {
-    const double y_m = x_m < kFirstOak_x_m - 1.0 || x_m > kSecondOak_x_m - 1.0 ? 0.0 : kLeftLane_m;
-    const double radius_m = random.uniform(0.5, 0.9);
-    const double off_m = random.uniform(-0.25, 0.25);
-    scene.world.push_back(
-        makeCylinder({x_m, y_m + off_m, -0.1}, {x_m, y_m + off_m, height_m}, radius_m, earth(random)));
-    height_m += 0.0003;
+    scene.world.push_back(makeSphere({x_m, y_m, -0.4 * radius_m}, radius_m, textured(random, 0.35, 0.3, 0.15)));
   }
 }
 
@@ -140,12 +134,12 @@ void addFarWood(Scene& scene, Random& random) {
     const double distance_m = kDistance_m + random.uniform(-3.0, 3.0);
     const double height_m = random.uniform(5.0, 11.0);
     const double x_m = 15.0 + distance_m * std::cos(bearing_rad), y_m = distance_m * std::sin(bearing_rad);
-    scene.world.push_back(
-        uprightPole(x_m, y_m, random.uniform(1.0, 2.0), 0.8 * height_m, textured(random, 0.2, 0.4, 2)));
-    for (int crown = 0; crown < 3; ++crown) {
+    const double radius_m = random.uniform(1.6, 2.4);
+    scene.world.push_back(uprightPole(x_m, y_m, radius_m, 0.8 * height_m, textured(random, 0.2, 0.4, 2.0)));
+    for (int crown = 0; crown < 2; ++crown) {
       const double z_m = height_m * random.uniform(0.4, 1.0);
-      scene.world.push_back(
-          makeFoliage({x_m, y_m + random.uniform(-2.0, 2.0), z_m}, 2.6, textured(random, 0.25, 0.4, 0.9)));
+      const double off_m = random.uniform(-2.0, 2.0);
+      scene.world.push_back(turnedFoliage({x_m, y_m + off_m, z_m}, 2.6, textured(random, 0.3, 0.4, 0.9), random));
     }
   }
 }
@@ -193,8 +187,8 @@ void addGate(Scene& scene, Random& random) {
 
 void lightUp(Scene& scene) {
   scene.light.to_sun_W = Eigen::Vector3d(0.25, 0.75, 0.75).normalized();
-  scene.light.ambient = 0.42f;
-  scene.light.haze_m = 70.0;
+  scene.light.ambient = 0.45f;
+  scene.light.haze_m = 100.0;
   scene.light.has_clouds = true;
   std::vector<Primitive> standing;
   for (const Primitive& primitive : scene.world) {
@@ -203,13 +197,13 @@ void lightUp(Scene& scene) {
   const Eigen::AlignedBox3d wood_W(Eigen::Vector3d(-3.0, -14.0, 0.0),
                                    Eigen::Vector3d(kTreesUntil_x_m + 3.0, 14.0, 8.0));
   scene.light.shadows = std::make_shared<const Shadows>(standing, scene.light.to_sun_W, wood_W);
-  scene.rig.left.gain = scene.rig.right.gain = 300.0;
+  scene.rig.left.gain = scene.rig.right.gain = 320.0;
 }
 
 /// Through a wood and past a gate: FREE, and BLOCKED by an oak, the gate until it opens, an oak, and the last oak.
 void forestGate(Scene& scene, Random& random) {
   scene.world.clear();
-  scene.world.push_back(makeBox({0, 0, -0.5}, {300, 300, 1}, textured(random, 0.30, 0.38, 0.8)));
+  scene.world.push_back(makeBox({0, 0, -0.5}, {300, 300, 1}, textured(random, 0.42, 0.40, 0.5)));
   flyUntil(scene, kLastOak_x_m - 1.9, kSpeed_m_s);
   scene.flight.wobble_rad = {0.02, 0.01, 0.01};
   scene.flight.sidesteps = {{timeAt(kFirstOak_x_m - 2.7, scene), 1.6, kLeftLane_m},
@@ -219,7 +213,6 @@ void forestGate(Scene& scene, Random& random) {
   addTree(kLastOak_x_m + 0.35, middle(scene), 0.35, scene, random);
   addTrees(scene, random);
   addUndergrowth(scene, random);
-  addPath(scene, random);
   addFarWood(scene, random);
   addGate(scene, random);
   lightUp(scene);

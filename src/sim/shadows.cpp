@@ -7,7 +7,8 @@ namespace flight_corridor::sim {
 namespace {
 
 constexpr double kCell_m = 0.04;
-constexpr float kBias_m = 0.10f;  // a surface aslant to the sun must not shade itself: more than a cell's slope
+constexpr float kBias_m =
+    0.20f;  // more than a cell's slope, so that no surface shades itself; leaves let their neighbours shine
 
 }  // namespace
 

@@ -81,12 +81,6 @@ float reflectance(const Material& material, const Eigen::Vector3f& p_O, float fo
   return material.grey * std::max(relative, 0.1f);
 }
 
-bool isLeaf(const Eigen::Vector3f& p_unit, std::uint32_t seed) {
-  constexpr float kTwigs = 3.0f, kLeaves = 8.0f;  // cells of the noise in a radius
-  const float twig = valueNoise((kTwigs * p_unit).array() + 0.37f, seed);
-  return twig + valueNoise((kLeaves * p_unit).array() + 0.37f, seed + 1) > -0.05f;
-}
-
 float cloudySky(const Eigen::Vector3f& direction_W) {
   constexpr float kLowest = 0.15f;  // nearer to the horizon the layer of clouds would be endless
   const Eigen::Vector3f p = direction_W / (std::max(direction_W.z(), 0.0f) + kLowest * direction_W.norm());

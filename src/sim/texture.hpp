@@ -13,10 +13,6 @@ namespace flight_corridor::sim {
 /// @return [0..1] or a little above.
 float reflectance(const Material& material, const Eigen::Vector3f& p_O, float footprint_m);
 
-/// Whether foliage has a leaf, not a gap, at a point.
-/// @param p_unit  point of the foliage's sphere over its radius: foliage looks alike at every size.
-bool isLeaf(const Eigen::Vector3f& p_unit, std::uint32_t seed);
-
 /// Radiance of a blue sky with clouds. @param direction_W  of the ray, any length.
 float cloudySky(const Eigen::Vector3f& direction_W);
 

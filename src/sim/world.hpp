@@ -25,7 +25,7 @@ struct Material {
   LidarReturn lidar_return = LidarReturn::Surface;
 };
 
-/// Foliage is a hollow sphere of leaves: rays pass between them, truth takes it for solid.
+/// Foliage is a sphere full of leaves: rays pass between them, truth takes it for solid.
 enum class Shape : std::uint8_t { Box, Cylinder, Sphere, Foliage };
 
 /// A convex solid, centred on its object frame O. A cylinder's axis is z of O.
@@ -58,7 +58,7 @@ struct SurfacePoint {
 };
 
 /// First point where a ray enters a primitive; nullopt when it misses, starts inside or meets it at t <= 0. Of foliage
-/// the first leaf, from outside or from inside.
+/// the first leaf, also from inside.
 std::optional<SurfacePoint> intersect(const Primitive& primitive, const Eigen::Vector3f& origin_O,
                                       const Eigen::Vector3f& direction_O);
 
