@@ -130,11 +130,11 @@ void addUndergrowth(Scene& scene, Random& random) {
 void addFarWood(Scene& scene, Random& random) {
   constexpr double kDistance_m = 48.0;
   for (int i = 0; i < 110; ++i) {
-    const double bearing_rad = 2.0 * M_PI * (i + random.uniform(-0.4, 0.4)) / 110;
+    const double bearing_rad = 2.0 * M_PI * (i + random.uniform(-0.25, 0.25)) / 110;
     const double distance_m = kDistance_m + random.uniform(-3.0, 3.0);
     const double height_m = random.uniform(5.0, 11.0);
     const double x_m = 15.0 + distance_m * std::cos(bearing_rad), y_m = distance_m * std::sin(bearing_rad);
-    const double radius_m = random.uniform(1.6, 2.4);
+    const double radius_m = random.uniform(2.0, 2.6);
     scene.world.push_back(uprightPole(x_m, y_m, radius_m, 0.8 * height_m, textured(random, 0.2, 0.4, 2.0)));
     for (int crown = 0; crown < 2; ++crown) {
       const double z_m = height_m * random.uniform(0.4, 1.0);
