@@ -85,9 +85,10 @@ def evaluation_section(path):
 def change_row(row, time_s, index):
     state = row["state"]
     picture = f"overlays/{index:06}_{state}.png"
+    shown = f'<a href="{picture}"><img src="{picture}" alt=""></a>'
     return (f'<tr><td>{time_s:.2f}</td><td class="{state}">{state}</td><td>{float(row["clear_distance_m"]):.2f}</td>'
             f'<td>{float(row["range_fused_m"]):.2f}</td>'
-            f'<td><a href="{picture}"><img src="{picture}" alt=""></a></td></tr>\n')
+            f"<td>{shown}</td></tr>\n")
 
 
 def main():

@@ -90,7 +90,7 @@ std::optional<SurfacePoint> meetLeaves(const Primitive& foliage, const Passage& 
   for (float t = 0.0f; t < passage.leave;) {
     const Eigen::Vector3f middle = cell.cast<float>().array() + 0.5f;
     const std::uint32_t bits = cellBits(cell, foliage.material.seed);
-    const bool is_leafy = bits >= kBare && middle.squaredNorm() < kCellsInRadius * kCellsInRadius;
+    const bool is_leafy = bits >= kBare && middle.norm() < kCellsInRadius - 0.5f;  // the whole leaf lies in the sphere
     if (is_leafy) {
       if (auto leaf = meetLeaf(bits, origin - middle, direction)) return leaf;
     }
