@@ -74,7 +74,7 @@ def node_section(path):
                     f"<td>{100 * states.count(state) / len(states):.1f} %</td></tr>" for state in verdicts.STATES)
     return ("<h2>The node in real time</h2>"
             f"<table><tr><th>verdict</th><th>frames</th><th>share</th></tr>{cells}</table>"
-            f"<p>From the images' arrival to the verdict: {1000 * latencies[len(latencies) // 2]:.0f} ms in the median. "
+            f"<p>From image to verdict: {1000 * latencies[len(latencies) // 2]:.0f} ms in the median. "
             'Every verdict: <a href="node.csv">node.csv</a>.</p>')
 
 
