@@ -12,7 +12,7 @@ namespace {
 constexpr float kSky = 1.0f;
 constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
-constexpr int kLeafId = -2;  // of all leaves: before each other they have no outlines, there would be no end of them
+constexpr int kLeafId = -2;  // of all leaves; their outlines are not anti-aliased: there are too many
 constexpr int kTile_px = 16;
 constexpr int kSubsamples = 8;  // on outlines only
 
@@ -166,9 +166,11 @@ class Renderer {
   bool onOutline(int u, int v) const {
     const int id = ids_.at<int>(v, u);
     const auto differs = [&](int x, int y) {
-      return 0 <= x && x < ids_.cols && 0 <= y && y < ids_.rows && ids_.at<int>(y, x) != id;
+      if (x < 0 || ids_.cols <= x || y < 0 || ids_.rows <= y) return false;
+      const int other = ids_.at<int>(y, x);
+      return other != id && other != kLeafId;
     };
-    return differs(u - 1, v) || differs(u + 1, v) || differs(u, v - 1) || differs(u, v + 1);
+    return id != kLeafId && (differs(u - 1, v) || differs(u + 1, v) || differs(u, v - 1) || differs(u, v + 1));
   }
 
   /// Mean over the pixel's square: each sample has its own row and its own column of an 8x8 grid.

@@ -8,7 +8,7 @@ namespace {
 
 // The way: straight on, round an oak to the left, through a gate that is slid open, round another oak back to the
 // right, up to a third one.
-constexpr double kSpeed_m_s = 1.4;
+constexpr double kSpeed_m_s = 1.5;
 constexpr double kLeftLane_m = 1.4;
 constexpr double kFirstOak_x_m = 8.0, kGate_x_m = 15.0, kSecondOak_x_m = 22.5, kLastOak_x_m = 29.0;
 constexpr double kHalfGate_m = 1.15;
@@ -91,7 +91,7 @@ bool isBesideTheWay(double y_m, double reach_m, const Scene& scene) {
 }
 
 void addTrees(Scene& scene, Random& random) {
-  constexpr int kTrees = 36;
+  constexpr int kTrees = 30;
   constexpr double kFarthest_y_m = 14.0;
   for (int i = 0; i < kTrees; ++i) {
     const double x_m = 2.0 + (kTreesUntil_x_m - 2.0) * (i + random.uniform(0.0, 1.0)) / kTrees;

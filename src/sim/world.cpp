@@ -75,7 +75,7 @@ std::optional<SurfacePoint> meetLeaf(std::uint32_t bits, const Eigen::Vector3f& 
 std::optional<SurfacePoint> meetLeaves(const Primitive& foliage, const Passage& passage,
                                        const Eigen::Vector3f& origin_O, const Eigen::Vector3f& direction_O) {
   constexpr float kCellsInRadius = 4.0f;
-  constexpr std::uint32_t kBare = 0x78000000u;  // of 2^32: share of cells without a leaf
+  constexpr std::uint32_t kBare = 0x50000000u;  // of 2^32: share of cells without a leaf
   if (!(passage.enter <= passage.leave) || passage.leave <= 0.0f) return std::nullopt;
   const float per_m = kCellsInRadius / static_cast<float>(foliage.half_m.x());
   const Eigen::Vector3f origin = per_m * origin_O, direction = per_m * direction_O;
