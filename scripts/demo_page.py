@@ -11,7 +11,8 @@ from PIL import Image
 import plot_ranges
 import verdicts
 
-GIF_WIDTH_PX, GIF_PERIOD_S, COLOURS = 600, 0.25, 48
+GIF_WIDTH_PX, GIF_PERIOD_S, COLOURS = 560, 1 / 3, 64
+VERDICT_COLOURS = ["#3cc850", "#e63232", "#ffb400"]  # as flight_corridor::colour() draws them
 
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>flight_corridor: {name}</title>
@@ -58,9 +59,11 @@ def write_gif(frames, path):
     """One palette for all frames, and no dithering: both make the file small."""
     height_px = frames[0].height * GIF_WIDTH_PX // frames[0].width
     small = [frame.resize((GIF_WIDTH_PX, height_px), Image.LANCZOS) for frame in frames]
-    sheet = Image.new("RGB", (GIF_WIDTH_PX, 4 * height_px))
+    sheet = Image.new("RGB", (GIF_WIDTH_PX, 5 * height_px))
     for i in range(4):
         sheet.paste(small[i * (len(small) - 1) // 3], (0, i * height_px))
+    for i, colour in enumerate(VERDICT_COLOURS):
+        sheet.paste(colour, (i * GIF_WIDTH_PX // 3, 4 * height_px, (i + 1) * GIF_WIDTH_PX // 3, 5 * height_px))
     palette = sheet.quantize(COLOURS)
     drawn = [frame.quantize(palette=palette, dither=Image.NONE) for frame in small]
     drawn[0].save(path, save_all=True, append_images=drawn[1:], duration=int(1000 * GIF_PERIOD_S), loop=0)
