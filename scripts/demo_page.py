@@ -3,6 +3,7 @@
 
 import html
 import io
+import math
 import pathlib
 import sys
 
@@ -85,12 +86,17 @@ def evaluation_section(path):
     return f"<h2>Against the truth</h2><pre>{html.escape(path.read_text(encoding='utf-8'))}</pre>"
 
 
+def metres(text):
+    value = float(text)
+    return f"{value:.2f}" if math.isfinite(value) else "–"
+
+
 def change_row(row, time_s, index):
     state = row["state"]
     picture = f"overlays/{index:06}_{state}.png"
     shown = f'<a href="{picture}"><img src="{picture}" alt=""></a>'
-    return (f'<tr><td>{time_s:.2f}</td><td class="{state}">{state}</td><td>{float(row["clear_distance_m"]):.2f}</td>'
-            f'<td>{float(row["range_fused_m"]):.2f}</td>'
+    return (f'<tr><td>{time_s:.2f}</td><td class="{state}">{state}</td><td>{metres(row["clear_distance_m"])}</td>'
+            f'<td>{metres(row["range_fused_m"])}</td>'
             f"<td>{shown}</td></tr>\n")
 
 
