@@ -72,5 +72,17 @@ TEST(Overlay, ABoxThatReachesBehindTheCameraIsDrawnWithoutHarm) {
   EXPECT_EQ(out.size(), kGeometry.size());
 }
 
+TEST(Overlay, TheLineOfVerdictsFillsFromTheLeft) {
+  cv::Mat out;
+  drawVerdicts({State::Free, State::Blocked}, 4, {40, 6}, out);
+  const auto at = [&](int column) { return cv::Scalar(out.at<cv::Vec3b>(3, column)); };
+  EXPECT_EQ(at(0), colour(State::Free));
+  EXPECT_EQ(at(9), colour(State::Free));
+  EXPECT_EQ(at(10), colour(State::Blocked));
+  EXPECT_EQ(at(19), colour(State::Blocked));
+  EXPECT_EQ(at(20), cv::Scalar());
+  EXPECT_EQ(at(39), cv::Scalar());
+}
+
 }  // namespace
 }  // namespace flight_corridor

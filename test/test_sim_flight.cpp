@@ -48,5 +48,20 @@ TEST(Flight, WobblesWithinItsLimits) {
   EXPECT_GE(largest_rad, 0.01);
 }
 
+TEST(Flight, ASidestepMovesItsLineAndNothingElse) {
+  Flight straight = steadyFlight(), around = steadyFlight();
+  around.sidesteps = {{2.0, 1.5, 1.4}, {5.0, 1.0, -0.4}};
+  const auto shift = [&](double time_s) -> Eigen::Vector3d {
+    return around.T_W_B(time_s).translation() - straight.T_W_B(time_s).translation();
+  };
+  EXPECT_TRUE(shift(1.99).isZero(1e-12));
+  EXPECT_TRUE(shift(3.5).isApprox(Eigen::Vector3d(0.0, 1.4, 0.0)));
+  EXPECT_TRUE(shift(6.0).isApprox(Eigen::Vector3d(0.0, 1.0, 0.0)));
+  for (double time_s = 0.0; time_s < 7.0; time_s += 0.01) {
+    // At most twice the mean speed.
+    EXPECT_LE((shift(time_s + 0.01) - shift(time_s)).norm(), 0.01 * 2.0 * 1.4 / 1.5 + 1e-9) << time_s;
+  }
+}
+
 }  // namespace
 }  // namespace flight_corridor::sim

@@ -159,5 +159,37 @@ TEST(Render, AThinPoleKeepsItsWidthWhereverItStandsBetweenPixels) {
   }
 }
 
+TEST(Render, HazeHidesWhatIsFarAndNotWhatIsNear) {
+  Material black;
+  black.grey = 0.0f;
+  Light light;
+  light.haze_m = 20.0;
+  const auto radianceAt = [&](double distance_m) {
+    const Primitive wall = makeBox({0, 0, distance_m + 0.05}, {400, 400, 0.1}, black);
+    return render({wall}, cameraAtOrigin(smallRig()), light).radiance.at<float>(60, 80);
+  };
+  const float near = radianceAt(0.2), middle = radianceAt(20.0), far = radianceAt(200.0);
+  EXPECT_LT(near, 0.01f);
+  EXPECT_NEAR(middle, 0.632f * far, 1e-3f);
+}
+
+TEST(Render, OnlyTheShadeIsDarkerForShadows) {
+  const Primitive ground = makeBox({0, 0, -0.5}, {40, 40, 1}, {}), ball = makeSphere({6, 0, 2.0}, 1.0, {});
+  Light light;
+  light.to_sun_W = Eigen::Vector3d::UnitZ();
+  Rig rig = smallRig();
+  Camera camera = leftCamera(rig, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 1.5)));
+  const cv::Mat plain = render({ground, ball}, camera, light).radiance;
+  light.shadows =
+      std::make_shared<const Shadows>(std::vector<Primitive>{ground, ball}, light.to_sun_W,
+                                      Eigen::AlignedBox3d(Eigen::Vector3d(0, -5, 0), Eigen::Vector3d(12, 5, 4)));
+  const cv::Mat shaded = render({ground, ball}, camera, light).radiance;
+  const cv::Mat darker = shaded < 0.999f * plain;
+  EXPECT_EQ(cv::countNonZero(shaded > plain), 0);
+  // 1.5 m above the ground, 6 m before the camera: 21.9 rows below its axis; 4 m away the sun shines.
+  EXPECT_GT(darker.at<std::uint8_t>(60 + 22, 79), 0);
+  EXPECT_EQ(darker.at<std::uint8_t>(60 + 33, 79), 0);
+}
+
 }  // namespace
 }  // namespace flight_corridor::sim

@@ -111,5 +111,26 @@ TEST(Scenes, SpeedsReachFromHoveringToFourMetresPerSecond) {
   EXPECT_LE(fastest_m_s, 4.0);
 }
 
+TEST(Scenes, TheForestIsToBeLookedAtAndIsNoFamily) {
+  EXPECT_EQ(shownSceneNames(), std::vector<std::string>{"forest_gate"});
+  EXPECT_EQ(sceneNames().size(), 45u);
+  for (const std::string& name : sceneNames()) EXPECT_NE(name, "forest_gate");
+  EXPECT_EQ(flightOf("forest_gate", 1).frame(0).left.size(), cv::Size(640, 480));
+}
+
+TEST(Scenes, TheForestBlocksTheCorridorFourTimesAndIsNeverTouched) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    const Simulation simulation = flightOf("forest_gate", seed);
+    std::string story;  // of what is surely blocked and surely free
+    for (std::size_t i = 0; i < simulation.frameTimes().size(); ++i) {
+      const CorridorTruth truth = simulation.truth(i);
+      if (truth.clear_shrunk_m != kInfinity && (story.empty() || story.back() != 'B')) story += 'B';
+      if (truth.clear_inflated_m == kInfinity && (story.empty() || story.back() != 'F')) story += 'F';
+      EXPECT_GT(truth.clear_inflated_m, 0.5) << seed << " frame " << i;
+    }
+    EXPECT_EQ(story, "FBFBFBFB") << seed;
+  }
+}
+
 }  // namespace
 }  // namespace flight_corridor::sim

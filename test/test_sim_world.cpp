@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sim/world.hpp"
 
 namespace flight_corridor::sim {
@@ -62,6 +64,44 @@ TEST(VisibleAt, MovesPrimitivesAndLeavesOutWhatIsNotThere) {
   EXPECT_EQ(visibleAt({moving, brief}, 1.0).size(), 2u);
   EXPECT_EQ(visibleAt({moving, brief}, 2.0).size(), 1u);
   EXPECT_TRUE(visibleAt({moving}, 2.0)[0].T_W_O.translation().isApprox(Eigen::Vector3d(2.0, -1.0, 0.0)));
+}
+
+TEST(Foliage, HasItsLeavesWithinItsSphereAndGapsBetweenThem) {
+  const Primitive foliage = makeFoliage({0, 0, 0}, 0.8, {});
+  int leaves = 0, rays = 0;
+  for (float y = -0.75f; y < 0.76f; y += 0.05f) {
+    for (float z = -0.75f; z < 0.76f; z += 0.05f) {
+      if (y * y + z * z > 0.4f) continue;
+      ++rays;
+      const Eigen::Vector3f origin(-3.0f, y, z), direction(1.0f, 0.0f, 0.0f);
+      const auto leaf = intersect(foliage, origin, direction);
+      if (!leaf) continue;
+      ++leaves;
+      EXPECT_LE((origin + leaf->t * direction).norm(), 0.8f * 1.0001f) << y << ", " << z;  // float's rounding
+      EXPECT_LE(leaf->normal_O.dot(direction), 0.0f) << y << ", " << z;
+      EXPECT_NEAR(leaf->normal_O.norm(), 1.0f, 1e-5f);
+    }
+  }
+  EXPECT_GT(leaves, rays / 2);
+  EXPECT_LT(leaves, rays);
+}
+
+TEST(Foliage, ALeafIsWhereItIsSeenFromEverySide) {
+  const Primitive foliage = makeFoliage({0, 0, 0}, 0.8, {});
+  int seen = 0;
+  for (float angle = 0.0f; angle < 6.28f; angle += 0.1f) {
+    const Eigen::Vector3f from(3.0f * std::cos(angle), 3.0f * std::sin(angle), 0.4f);
+    const Eigen::Vector3f direction = -from.normalized();
+    const auto leaf = intersect(foliage, from, direction);
+    if (!leaf) continue;
+    ++seen;
+    // From just before it, the same leaf is met.
+    const Eigen::Vector3f before = from + (leaf->t - 0.01f) * direction;
+    const auto again = intersect(foliage, before, direction);
+    ASSERT_TRUE(again) << angle;
+    EXPECT_NEAR(again->t, 0.01f, 1e-4f) << angle;
+  }
+  EXPECT_GT(seen, 10);
 }
 
 }  // namespace

@@ -25,6 +25,12 @@ double oscillation(double time_s, double frequency_hz, double phase_rad) {
   return 0.7 * std::sin(angle) + 0.3 * std::sin(2.3 * angle + 1.0);
 }
 
+/// Speed rises and falls as a full cosine wave: no jerk at either end.
+double shiftedLeft(const Sidestep& sidestep, double time_s) {
+  const double share = std::clamp((time_s - sidestep.from_s) / sidestep.duration_s, 0.0, 1.0);
+  return sidestep.left_m * (share - std::sin(2.0 * M_PI * share) / (2.0 * M_PI));
+}
+
 }  // namespace
 
 Eigen::Isometry3d Flight::T_W_B(double time_s) const {
@@ -33,6 +39,7 @@ Eigen::Isometry3d Flight::T_W_B(double time_s) const {
   Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
   T_W_B.translation() = start_W + Eigen::Vector3d(distanceFlown(*this, t), 0.0, 0.0) +
                         sway_m.cwiseProduct(Eigen::Vector3d(wave(0), wave(1), wave(2)));
+  for (const Sidestep& sidestep : sidesteps) T_W_B.translation().y() += shiftedLeft(sidestep, t);
   T_W_B.linear() = (Eigen::AngleAxisd(wobble_rad.z() * wave(3), Eigen::Vector3d::UnitZ()) *
                     Eigen::AngleAxisd(wobble_rad.y() * wave(4), Eigen::Vector3d::UnitY()) *
                     Eigen::AngleAxisd(wobble_rad.x() * wave(5), Eigen::Vector3d::UnitX()))

@@ -1,10 +1,18 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <vector>
 
 namespace flight_corridor::sim {
 
-/// A straight flight along +x of W that speeds up and brakes smoothly, while the body sways and wobbles.
+/// A smooth shift to the left of a flight's line.
+struct Sidestep {
+  double from_s = 0.0;
+  double duration_s = 1.0;
+  double left_m = 0.0;
+};
+
+/// A flight along +x of W that speeds up and brakes smoothly, while the body sways and wobbles.
 /// W: z up. B: x forward, y left, z up.
 struct Flight {
   Eigen::Vector3d start_W{0.0, 0.0, 1.5};
@@ -14,6 +22,7 @@ struct Flight {
   Eigen::Vector3d wobble_rad{0.03, 0.02, 0.02};  ///< Largest roll, pitch and yaw.
   Eigen::Vector3d sway_m{0.02, 0.03, 0.02};      ///< Largest shift forward, left and up.
   double phase_rad = 0.0;                        ///< Of sway and wobble.
+  std::vector<Sidestep> sidesteps;
 
   /// Before the start and after the end the body stands still.
   Eigen::Isometry3d T_W_B(double time_s) const;

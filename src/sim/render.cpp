@@ -10,11 +10,11 @@ namespace flight_corridor::sim {
 namespace {
 
 constexpr float kSky = 1.0f;
-constexpr float kAmbient = 0.55f;
+constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
+constexpr int kLeafId = -2;  // of all leaves; their outlines are not anti-aliased: there are too many
 constexpr int kTile_px = 16;
 constexpr int kSubsamples = 8;  // on outlines only
-const Eigen::Vector3d kToSun_W = Eigen::Vector3d(-0.5, 0.4, 0.75).normalized();
 
 /// Where on the image a primitive can be.
 struct Extent {
@@ -48,9 +48,26 @@ cv::Rect pixelsBetween(const Eigen::Array3d& low, const Eigen::Array3d& high, co
   return cv::Rect(from, to) & cv::Rect({0, 0}, size_px);
 }
 
+/// Of a sphere before the camera, between the tangents to it.
+Extent extentOfSphere(const Eigen::Vector3d& centre_C, double radius_m, const Camera& camera) {
+  const auto tangents = [&](double across_m) -> Eigen::Array2d {  // as slopes, across over ahead
+    const double z_m = centre_C.z();
+    const double root = radius_m * std::sqrt(across_m * across_m + z_m * z_m - radius_m * radius_m);
+    return (Eigen::Array2d(-root, root) + across_m * z_m) / (z_m * z_m - radius_m * radius_m);
+  };
+  const Eigen::Array2d u = camera.fx_px * tangents(centre_C.x()) + camera.cx_px;
+  const Eigen::Array2d v = camera.fy_px * tangents(centre_C.y()) + camera.cy_px;
+  return {pixelsBetween({u[0], v[0], 0.0}, {u[1], v[1], 0.0}, camera.size_px), centre_C.z() - radius_m};
+}
+
 /// Of the primitive's box, cut off just before the camera: both ends of what is left of its twelve edges.
 Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::Isometry3d& T_C_O) {
   constexpr double kNear_m = 0.01;
+  const bool is_round = primitive.shape == Shape::Sphere || primitive.shape == Shape::Foliage;
+  const Eigen::Vector3d centre_C = T_C_O.translation();
+  if (is_round && centre_C.z() - primitive.half_m.x() > kNear_m) {
+    return extentOfSphere(centre_C, primitive.half_m.x(), camera);
+  }
   Eigen::Array3d low = Eigen::Array3d::Constant(kInfinity);  // u, v, depth
   Eigen::Array3d high = -low;
   const auto cornerAt = [&](int corner) -> Eigen::Vector3d {
@@ -77,14 +94,15 @@ Extent extentOf(const Primitive& primitive, const Camera& camera, const Eigen::I
 }
 
 /// Nearest first; also what only a mirror can show.
-std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera) {
+std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera& camera,
+                          const Eigen::Vector3d& to_sun_W) {
   std::vector<View> views;
   for (const Primitive& primitive : primitives) {
     if (!primitive.material.camera_sees) continue;
     const Eigen::Isometry3d T_O_C = primitive.T_W_O.inverse() * camera.T_W_C;
     const Extent extent = extentOf(primitive, camera, T_O_C.inverse());
     views.push_back({&primitive, T_O_C.translation().cast<float>(), T_O_C.linear().cast<float>(),
-                     (primitive.T_W_O.linear().transpose() * kToSun_W).cast<float>(), extent});
+                     (primitive.T_W_O.linear().transpose() * to_sun_W).cast<float>(), extent});
   }
   std::sort(views.begin(), views.end(),
             [](const View& a, const View& b) { return a.extent.nearest_m < b.extent.nearest_m; });
@@ -94,9 +112,10 @@ std::vector<View> viewsOf(const std::vector<Primitive>& primitives, const Camera
 /// One image under way, tile by tile: first a ray through each pixel, then more rays where neighbours differ.
 class Renderer {
  public:
-  Renderer(const std::vector<Primitive>& primitives, const Camera& camera)
+  Renderer(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light)
       : camera_(camera),
-        views_(viewsOf(primitives, camera)),
+        light_(light),
+        views_(viewsOf(primitives, camera, light.to_sun_W)),
         tiles_((camera.size_px.width + kTile_px - 1) / kTile_px, (camera.size_px.height + kTile_px - 1) / kTile_px),
         candidates_(tiles_.area()),
         ids_(camera.size_px, CV_32SC1),
@@ -147,9 +166,11 @@ class Renderer {
   bool onOutline(int u, int v) const {
     const int id = ids_.at<int>(v, u);
     const auto differs = [&](int x, int y) {
-      return 0 <= x && x < ids_.cols && 0 <= y && y < ids_.rows && ids_.at<int>(y, x) != id;
+      if (x < 0 || ids_.cols <= x || y < 0 || ids_.rows <= y) return false;
+      const int other = ids_.at<int>(y, x);
+      return other != id && other != kLeafId;
     };
-    return differs(u - 1, v) || differs(u + 1, v) || differs(u, v - 1) || differs(u, v + 1);
+    return id != kLeafId && (differs(u - 1, v) || differs(u + 1, v) || differs(u, v - 1) || differs(u, v + 1));
   }
 
   /// Mean over the pixel's square: each sample has its own row and its own column of an 8x8 grid.
@@ -175,8 +196,13 @@ class Renderer {
       nearest = *hit;
       nearest_id = id;
     }
-    if (nearest_id == kSkyId) return {};
-    return look(nearest_id, nearest, direction_C);
+    return nearest_id == kSkyId ? sky(direction_C) : look(nearest_id, nearest, direction_C);
+  }
+
+  Sample sky(const Eigen::Vector3f& direction_C) const {
+    Sample sample;
+    if (light_.has_clouds) sample.radiance = cloudySky(camera_.T_W_C.linear().cast<float>() * direction_C);
+    return sample;
   }
 
   Sample look(int id, const SurfacePoint& surface, const Eigen::Vector3f& direction_C) const {
@@ -184,6 +210,7 @@ class Renderer {
     const Eigen::Vector3f direction_O = view.R_O_C * direction_C;
     const Eigen::Vector3f point_O = view.origin_O + surface.t * direction_O;
     Sample sample{id, surface.t, shade(view, point_O, surface.normal_O, direction_O, surface.t)};
+    if (view.primitive->shape == Shape::Foliage) sample.id = kLeafId;
     const float mirror = view.primitive->material.mirror;
     if (mirror == 0.0f) return sample;
     const Sample image = mirrored(view, point_O, surface, direction_O);
@@ -217,11 +244,16 @@ class Renderer {
     const float facing = std::max(-normal_O.dot(direction_O) / direction_O.norm(), 0.05f);
     // Seen aslant the footprint is stretched in one direction only: the geometric mean of both edges.
     const float footprint_m = path_m / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
-    const float light = kAmbient + (1.0f - kAmbient) * std::max(normal_O.dot(view.to_sun_O), 0.0f);
-    return light * reflectance(view.primitive->material, point_O, footprint_m);
+    float sun = std::max(normal_O.dot(view.to_sun_O), 0.0f);
+    if (light_.shadows && sun > 0.0f) sun *= light_.shadows->lit(view.primitive->T_W_O.cast<float>() * point_O);
+    const float light = light_.ambient + (1.0f - light_.ambient) * sun;
+    const float radiance = light * reflectance(view.primitive->material, point_O, footprint_m);
+    if (light_.haze_m == kInfinity) return radiance;
+    return kHaze + (radiance - kHaze) * std::exp(-path_m / static_cast<float>(light_.haze_m));
   }
 
   const Camera& camera_;
+  const Light& light_;
   std::vector<View> views_;
   cv::Size tiles_;
   std::vector<std::vector<int>> candidates_;  // per tile, nearest first
@@ -231,8 +263,8 @@ class Renderer {
 
 }  // namespace
 
-Rendering render(const std::vector<Primitive>& primitives, const Camera& camera) {
-  return Renderer(primitives, camera).run();
+Rendering render(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light) {
+  return Renderer(primitives, camera, light).run();
 }
 
 }  // namespace flight_corridor::sim

@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sim/light.hpp"
 #include "sim/world.hpp"
 
 namespace flight_corridor::sim {
@@ -23,9 +24,9 @@ struct Rendering {
   cv::Mat depth_m;   ///< CV_32FC1, along z of C at the pixels' centres; NaN = sky.
 };
 
-/// Casts rays into the world: textured, Lambert-shaded surfaces before a bright sky, anti-aliased at outlines. A mirror
+/// Casts rays into the world: textured, Lambert-shaded surfaces before the sky, anti-aliased at outlines. A mirror
 /// adds what it reflects; its depth is its own.
 /// What the camera does not see (Material::camera_sees) is left out.
-Rendering render(const std::vector<Primitive>& primitives, const Camera& camera);
+Rendering render(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light = {});
 
 }  // namespace flight_corridor::sim

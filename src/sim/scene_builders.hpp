@@ -21,5 +21,6 @@ std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera'
 std::vector<SceneBuilder> rigBuilders();        ///< Calibrations that are wrong.
 std::vector<SceneBuilder> changeBuilders();     ///< What moves, appears and vanishes.
 std::vector<SceneBuilder> placeBuilders();      ///< Forests and houses.
+std::vector<SceneBuilder> shownBuilders();      ///< To be looked at, not scored.
 
 }  // namespace flight_corridor::sim

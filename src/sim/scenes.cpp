@@ -22,6 +22,18 @@ const std::map<std::string, SceneBuilder>& builders() {
   return kBuilders;
 }
 
+/// Of a family, or of a scene to be looked at.
+SceneBuilder builderOf(const std::string& name) {
+  if (const auto found = builders().find(name); found != builders().end()) return found->second;
+  std::string known;
+  for (const std::string& scene : sceneNames()) known += " " + scene;
+  for (const SceneBuilder& shown : shownBuilders()) {
+    if (shown.name == name) return shown;
+    known += std::string(" ") + shown.name;
+  }
+  throw std::invalid_argument("unknown scene '" + name + "'; known are:" + known);
+}
+
 }  // namespace
 
 const char* toString(Visibility visibility) {
@@ -50,13 +62,14 @@ std::vector<std::string> sceneNames() {
   return names;
 }
 
+std::vector<std::string> shownSceneNames() {
+  std::vector<std::string> names;
+  for (const SceneBuilder& builder : shownBuilders()) names.push_back(builder.name);
+  return names;
+}
+
 Scene makeScene(const std::string& name, std::uint64_t seed) {
-  const auto found = builders().find(name);
-  if (found == builders().end()) {
-    std::string known;
-    for (const std::string& scene : sceneNames()) known += " " + scene;
-    throw std::invalid_argument("unknown scene '" + name + "'; known are:" + known);
-  }
+  const SceneBuilder builder = builderOf(name);
   Random random(seed, Stream::Scene);
   Scene scene;
   scene.rig = defaultRig();
@@ -66,7 +79,7 @@ Scene makeScene(const std::string& name, std::uint64_t seed) {
   scene.flight.phase_rad = random.uniform(0.0, 2.0 * M_PI);
   addGround(1.5, scene, random);
   addSurroundings(scene, random);
-  found->second.build(scene, random);
+  builder.build(scene, random);
   return scene;
 }
 

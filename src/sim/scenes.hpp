@@ -8,6 +8,7 @@
 #include "sim/flight.hpp"
 #include "sim/glare.hpp"
 #include "sim/lidar.hpp"
+#include "sim/light.hpp"
 #include "sim/rig.hpp"
 #include "sim/world.hpp"
 
@@ -16,6 +17,7 @@ namespace flight_corridor::sim {
 /// Everything that a simulated recording is made from.
 struct Scene {
   std::vector<Primitive> world;
+  Light light;
   std::optional<Sun> sun;  ///< Absent: not in the image.
   Rig rig;
   LidarModel lidar;
@@ -44,6 +46,9 @@ std::vector<Family> sceneFamilies();
 
 /// Their names, in alphabetical order.
 std::vector<std::string> sceneNames();
+
+/// Scenes that are no family: to be looked at, not scored.
+std::vector<std::string> shownSceneNames();
 
 /// @param seed varies positions, speeds, textures and exposure.
 /// @throws std::invalid_argument naming the unknown scene and the known ones.

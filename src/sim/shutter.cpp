@@ -12,7 +12,7 @@ constexpr int kMoments = 5;  // of an exposure: 4 px of motion blur are sampled 
 cv::Mat lightAt(const Scene& scene, double time_s, CameraOfRig camera_of_rig) {
   const std::vector<Primitive> world = visibleAt(scene.world, time_s);
   const Camera camera = camera_of_rig(scene.rig, scene.flight.T_W_B(time_s));
-  cv::Mat radiance = render(world, camera).radiance;
+  cv::Mat radiance = render(world, camera, scene.light).radiance;
   if (scene.sun) addGlare(*scene.sun, world, camera, radiance);
   return radiance;
 }

@@ -46,13 +46,14 @@ float survivingShare(float wavelength_m, float footprint_m) {
 
 /// Octaves of equal amplitude: a 1/f spectrum, as natural images have.
 float octaves(const Material& material, const Eigen::Vector3f& p_O, float footprint_m) {
+  const Eigen::Vector3f p(p_O.x(), p_O.y(), p_O.z() / material.stretch);
   float sum = 0.0f;
   std::uint32_t seed = material.seed;
   for (float wavelength_m = material.coarsest_m; wavelength_m >= kFinest_m; wavelength_m *= 0.5f) {
     const float share = survivingShare(wavelength_m, footprint_m);
     if (share == 0.0f) break;
     // Half a cell off the object's origin: flat faces through it must not lie on lattice planes of all octaves at once.
-    sum += share * valueNoise((p_O / wavelength_m).array() + 0.37f, seed);
+    sum += share * valueNoise((p / wavelength_m).array() + 0.37f, seed);
     seed += 0x9e3779b9u;
   }
   return sum;
@@ -78,6 +79,17 @@ float reflectance(const Material& material, const Eigen::Vector3f& p_O, float fo
   if (material.contrast > 0.0f) relative += material.contrast * octaves(material, p_O, footprint_m);
   if (material.checker_period_m > 0.0f) relative += 0.5f * checker(material, p_O, footprint_m);
   return material.grey * std::max(relative, 0.1f);
+}
+
+float cloudySky(const Eigen::Vector3f& direction_W) {
+  constexpr float kLowest = 0.15f;  // nearer to the horizon the layer of clouds would be endless
+  const Eigen::Vector3f p = direction_W / (std::max(direction_W.z(), 0.0f) + kLowest * direction_W.norm());
+  float cloud = 0.0f;
+  for (int octave = 0; octave < 4; ++octave) {
+    const auto scale = static_cast<float>(1 << octave);
+    cloud += valueNoise(Eigen::Vector3f(scale * p.x(), scale * p.y(), 0.5f), 7u + octave) / scale;
+  }
+  return 0.72f + 0.2f * std::clamp(cloud, 0.0f, 1.0f);
 }
 
 }  // namespace flight_corridor::sim

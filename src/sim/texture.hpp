@@ -13,4 +13,7 @@ namespace flight_corridor::sim {
 /// @return [0..1] or a little above.
 float reflectance(const Material& material, const Eigen::Vector3f& p_O, float footprint_m);
 
+/// Radiance of a blue sky with clouds. @param direction_W  of the ray, any length.
+float cloudySky(const Eigen::Vector3f& direction_W);
+
 }  // namespace flight_corridor::sim

@@ -30,6 +30,7 @@ Eigen::Vector3d support(const Primitive& primitive, const Eigen::Vector3d& direc
       return radius_m * radial.stableNormalized() + end_z * Eigen::Vector3d::UnitZ();
     }
     case Shape::Sphere:
+    case Shape::Foliage:
       return radius_m * direction_O.stableNormalized();
   }
   return cornerTowards(direction_O, primitive.half_m);

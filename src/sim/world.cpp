@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace flight_corridor::sim {
 namespace {
@@ -50,6 +51,57 @@ void clipByRound(const Eigen::Vector3f& within, float radius_m, const Eigen::Vec
   }
 }
 
+/// Random bits of a cell of foliage.
+std::uint32_t cellBits(const Eigen::Vector3i& cell, std::uint32_t seed) {
+  const Eigen::Matrix<std::uint32_t, 3, 1> c = cell.cast<std::uint32_t>();
+  std::uint32_t h = c.x() * 0x8da6b343u + c.y() * 0xd8163841u + c.z() * 0xcb1ab31fu + seed;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  return h ^ (h >> 13);
+}
+
+/// A leaf: a round disc in the middle of a cell of edge 1, turned anyhow.
+/// @param origin, direction  from the cell's middle.
+std::optional<SurfacePoint> meetLeaf(std::uint32_t bits, const Eigen::Vector3f& origin,
+                                     const Eigen::Vector3f& direction) {
+  const auto signedByte = [&](int shift) { return static_cast<float>(bits >> shift & 0xffu) - 127.5f; };
+  Eigen::Vector3f normal(signedByte(0), signedByte(8), signedByte(16));
+  const float slope = normal.dot(direction);
+  const float t = -normal.dot(origin) / slope;  // not finite: seen from the edge
+  if (!(0.0f < t) || !((origin + t * direction).squaredNorm() < 0.25f)) return std::nullopt;
+  return SurfacePoint{t, normal.normalized() * (slope > 0.0f ? -1.0f : 1.0f)};
+}
+
+/// The first leaf in the cells of a grid in which a ray passes a sphere, one after the other (Amanatides and Woo 1987).
+std::optional<SurfacePoint> meetLeaves(const Primitive& foliage, const Passage& passage,
+                                       const Eigen::Vector3f& origin_O, const Eigen::Vector3f& direction_O) {
+  constexpr float kCellsInRadius = 4.0f;
+  constexpr std::uint32_t kBare = 0x50000000u;  // of 2^32: share of cells without a leaf
+  if (!(passage.enter <= passage.leave) || passage.leave <= 0.0f) return std::nullopt;
+  const float per_m = kCellsInRadius / static_cast<float>(foliage.half_m.x());
+  const Eigen::Vector3f origin = per_m * origin_O, direction = per_m * direction_O;
+  const Eigen::Vector3f start = origin + std::max(passage.enter, 0.0f) * direction;
+  Eigen::Vector3i cell = start.array().floor().cast<int>();
+  const Eigen::Vector3i step = (direction.array() < 0.0f).select(Eigen::Array3i::Constant(-1), 1);
+  const Eigen::Vector3f per_cell = direction.cwiseAbs().cwiseInverse();
+  const Eigen::Array3f border =
+      cell.cast<float>().array() + (direction.array() < 0.0f).select(Eigen::Array3f::Zero(), 1);
+  // Where the ray leaves the cell; infinite, and never negative, along axes that it does not move on.
+  Eigen::Vector3f t_border = (border - origin.array()) * step.array().cast<float>() * per_cell.array();
+  for (float t = 0.0f; t < passage.leave;) {
+    const Eigen::Vector3f middle = cell.cast<float>().array() + 0.5f;
+    const std::uint32_t bits = cellBits(cell, foliage.material.seed);
+    const bool is_leafy = bits >= kBare && middle.norm() < kCellsInRadius - 0.5f;  // the whole leaf lies in the sphere
+    if (is_leafy) {
+      if (auto leaf = meetLeaf(bits, origin - middle, direction)) return leaf;
+    }
+    int axis = 0;
+    t = t_border.minCoeff(&axis);
+    cell[axis] += step[axis];
+    t_border[axis] += per_cell[axis];
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Primitive makeBox(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& size_m, const Material& material) {
@@ -78,6 +130,12 @@ Primitive makeSphere(const Eigen::Vector3d& centre_W, double radius_m, const Mat
   return sphere;
 }
 
+Primitive makeFoliage(const Eigen::Vector3d& centre_W, double radius_m, const Material& material) {
+  Primitive foliage = makeSphere(centre_W, radius_m, material);
+  foliage.shape = Shape::Foliage;
+  return foliage;
+}
+
 std::vector<Primitive> visibleAt(const std::vector<Primitive>& world, double time_s) {
   std::vector<Primitive> visible;
   for (const Primitive& primitive : world) {
@@ -103,6 +161,9 @@ std::optional<SurfacePoint> intersect(const Primitive& primitive, const Eigen::V
     case Shape::Sphere:
       clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
       break;
+    case Shape::Foliage:
+      clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
+      return meetLeaves(primitive, passage, origin_O, direction_O);
   }
   if (!(0.0f < passage.enter && passage.enter <= passage.leave)) return std::nullopt;
   return SurfacePoint{passage.enter, passage.normal};

@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPanelHeight_px = 360;
+constexpr int kVideoHeight_px = 480;  // of the overlay
+constexpr int kLineHeight_px = 24;    // of the line of verdicts
 
 void makeFolder(const fs::path& path) {
   std::error_code error;
@@ -47,15 +48,12 @@ void toMillimetres(const cv::Mat& depth_m, cv::Mat& depth_mm) {
   }
 }
 
-void appendPanel(const cv::Mat& picture, cv::Mat& panels) {
-  cv::Mat panel;
-  const int width = picture.cols * kPanelHeight_px / picture.rows;
-  cv::resize(picture, panel, cv::Size(width, kPanelHeight_px), 0.0, 0.0, cv::INTER_AREA);
-  if (panels.empty()) {
-    panels = panel;
-  } else {
-    cv::hconcat(panels, panel, panels);
-  }
+/// Scaled to a height; of a width whose half is even.
+cv::Mat scaledTo(int height_px, const cv::Mat& picture) {
+  cv::Mat scaled;
+  const int width_px = picture.cols * height_px / picture.rows / 4 * 4;
+  cv::resize(picture, scaled, cv::Size(width_px, height_px), 0.0, 0.0, cv::INTER_AREA);
+  return scaled;
 }
 
 }  // namespace
@@ -85,7 +83,11 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
     toMillimetres(filledDepth(pipeline), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "filled" / (numbered(index) + ".png"), depth_mm_);
   }
-  if (!options_.video.empty()) writeVideoFrame(pipeline, report);
+  if (!options_.video.empty()) {
+    verdicts_.resize(index, State::Unknown);
+    verdicts_.push_back(state);
+    writeVideoFrame(pipeline, report);
+  }
   last_state_ = state;
 }
 
@@ -105,15 +107,18 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
   writeImage(fs::path(options_.overlay_folder) / name, panels_);
 }
 
+/// The overlay, beside it depth above the map, the line of verdicts below.
 void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   const double ahead_m = pipeline.config().map.max_range_m;
+  const cv::Mat overlay = scaledTo(kVideoHeight_px, overlay_);
+  const cv::Size quarter_px(overlay.cols / 2, kVideoHeight_px / 2);
   drawDepth(filledDepth(pipeline), ahead_m, depth_);
-  drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m,
-                   cv::Size(kPanelHeight_px, kPanelHeight_px), map_);
-  panels_.release();
-  appendPanel(overlay_, panels_);
-  appendPanel(depth_, panels_);
-  appendPanel(map_, panels_);
+  cv::resize(depth_, depth_, quarter_px, 0.0, 0.0, cv::INTER_AREA);
+  drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, quarter_px, map_);
+  cv::vconcat(depth_, map_, panels_);
+  cv::hconcat(overlay, panels_, panels_);
+  drawVerdicts(verdicts_, options_.video_frames, cv::Size(panels_.cols, kLineHeight_px), line_);
+  cv::vconcat(panels_, line_, panels_);
   if (!video_.isOpened()) {
     video_.open(options_.video, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
                 options_.video_rate_hz, panels_.size());

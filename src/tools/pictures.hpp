@@ -4,6 +4,7 @@
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "flight_corridor/pipeline.hpp"
 
@@ -15,8 +16,9 @@ struct PictureOptions {
                                ///< that lacks a match), filled depth, map.
   int overlay_every = 0;       ///< ... and at every so many frames; 0: changes only.
   std::string depth_folder;    ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
-  std::string video;           ///< AVI (motion JPEG): overlay, depth, and the map from above.
+  std::string video;           ///< AVI (motion JPEG): overlay, depth, the map from above, and the verdicts so far.
   double video_rate_hz = 10.0;
+  std::size_t video_frames = 1;  ///< Of the whole recording: the length of the line of verdicts.
 };
 
 /// Draws what the pipeline saw into files.
@@ -37,8 +39,9 @@ class Pictures {
 
   PictureOptions options_;
   std::optional<State> last_state_;
+  std::vector<State> verdicts_;  // for the video: of every frame, Unknown where there was none
   cv::VideoWriter video_;
-  cv::Mat overlay_, matched_, depth_, map_, depth_mm_, panels_;
+  cv::Mat overlay_, matched_, depth_, map_, line_, depth_mm_, panels_;
 };
 
 }  // namespace flight_corridor::tools

@@ -50,6 +50,7 @@ PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader&
   pictures.overlay_every = static_cast<int>(options.integer("overlay-every", 0));
   pictures.depth_folder = options.text("depth");
   pictures.video = options.text("video");
+  pictures.video_frames = bag.leftImages();
   if (std::isfinite(bag.rate())) pictures.video_rate_hz = std::max(bag.rate(), kSlowestVideo_hz);
   return pictures;
 }
@@ -220,7 +221,7 @@ int main(int argc, char** argv) {
           "filled depth and map, one at each change of verdict")
       .optional("overlay-every", "N", "... and one at every N frames", "0")
       .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")
-      .optional("video", "V.avi", "video of overlay, depth and the map from above");
+      .optional("video", "V.avi", "video of overlay, depth, the map from above, and the verdicts over time");
   declareBag(options);
   options.notes(
       "The node's pipeline without a master: the same bag gives the same table, times aside.\n"

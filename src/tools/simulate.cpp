@@ -21,6 +21,8 @@ std::string lines(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string sceneLines() { return lines(sim::sceneNames()) + lines(sim::shownSceneNames()); }
+
 std::string familyLines() {
   std::string text;
   for (const sim::Family& family : sim::sceneFamilies()) {
@@ -116,9 +118,10 @@ int main(int argc, char** argv) {
       .optional("baseline-error", "E", "(true - announced) / announced baseline; default: the scene's")
       .optional("disparity-offset", "PX", "measured minus true disparity; default: the scene's")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, see --list-lidar-faults", "none")
-      .question("list", "print the names of the scenes", [] { return lines(flight_corridor::sim::sceneNames()); })
+      .question("list", "print the names of the scenes", sceneLines)
       .question("families",
-                "print NAME,KIND of the scenes: visible, unseeable (FREE has no evidence), too_near (for stereo) or "
+                "print NAME,KIND of the scenes that are scored: visible, unseeable (FREE has no evidence), too_near "
+                "(for stereo) or "
                 "hidden (no sensor can tell)",
                 familyLines)
       .question("list-lidar-faults", "print the names of the LiDAR's faults",

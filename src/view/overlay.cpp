@@ -152,4 +152,13 @@ void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict
   }
 }
 
+void drawVerdicts(const std::vector<State>& verdicts, std::size_t total, cv::Size size_px, cv::Mat& out) {
+  out.create(size_px, CV_8UC3);
+  out.setTo(cv::Scalar::all(0));
+  const auto columnOf = [&](std::size_t index) { return static_cast<int>(index * size_px.width / total); };
+  for (std::size_t i = 0; i < std::min(verdicts.size(), total); ++i) {
+    out.colRange(columnOf(i), columnOf(i + 1)).setTo(colour(verdicts[i]));
+  }
+}
+
 }  // namespace flight_corridor

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/box.hpp"
@@ -27,6 +28,10 @@ void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out);
 /// @param out CV_8UC3 (BGR) of size_px, refilled.
 void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict& verdict, double ahead_m,
                       cv::Size size_px, cv::Mat& out);
+
+/// Verdicts over time, the first at the left, each in its state's colour; what is still to come is black.
+/// @param total  frames of the whole recording.  @param out CV_8UC3 (BGR) of size_px, refilled.
+void drawVerdicts(const std::vector<State>& verdicts, std::size_t total, cv::Size size_px, cv::Mat& out);
 
 /// BGR of a state: green free, red blocked, amber unknown.
 cv::Scalar colour(State state);
