@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <random>
@@ -25,12 +26,16 @@ int kept(cv::Mat disparity_px, double smallest_m = kSmallest_m) {
   return kept;
 }
 
-/// Pixels that the smallest obstacle covers at a disparity.
-double enough(double disparity_px) {
-  return std::pow(kSmallest_m * disparity_px / kGeometry.calibration().baseline_m, 2);
+/// What a pixel counts: an outline, 9 px wide, is as wide as the smallest obstacle.
+double pixelArea(double disparity_px) {
+  const double edge_m = kGeometry.calibration().baseline_m / disparity_px;
+  return edge_m * std::max(edge_m, kSmallest_m / 9.0);
 }
 
-TEST(CoherentMatches, APatchOfTheSmallestObstaclesAreaStaysAtEveryDistance) {
+/// Pixels that the smallest obstacle shows at a disparity.
+double enough(double disparity_px) { return kSmallest_m * kSmallest_m / pixelArea(disparity_px); }
+
+TEST(CoherentMatches, APatchAsLargeAsTheSmallestObstacleOrItsOutlineStaysAtEveryDistance) {
   for (const double disparity_px : {4.0, 12.0, 40.0}) {
     const int least = static_cast<int>(std::ceil(enough(disparity_px)));
     ASSERT_LT(least, 310);
@@ -100,7 +105,7 @@ cv::Mat flooded(const cv::Mat& disparity_px) {
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const float d = disparity_px.ptr<float>()[patch[i]];
       const int u = patch[i] % disparity_px.cols, v = patch[i] / disparity_px.cols;
-      area_m2 += std::pow(kGeometry.calibration().baseline_m / d, 2);
+      area_m2 += pixelArea(d);
       for (const auto& [du, dv] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1),
                                    std::pair(1, 1), std::pair(-1, 1), std::pair(1, -1), std::pair(-1, -1)}) {
         if (u + du < 0 || u + du >= disparity_px.cols || v + dv < 0 || v + dv >= disparity_px.rows) continue;

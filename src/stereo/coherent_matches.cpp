@@ -11,6 +11,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr float kStep_px = 1.0f;  // between neighbours of one surface: noise and slope
+constexpr float kOutline_px = 9;  // width of what is matched along an outline: that of the census window
 constexpr int kBand_px = 60;      // rows that are labelled side by side with others
 constexpr int kNone = -1;         // the label where nothing is matched
 
@@ -22,7 +23,7 @@ CoherentMatches::CoherentMatches(const StereoGeometry& geometry, double smallest
     : geometry_(geometry),
       width_(geometry.size().width),
       bands_((geometry.size().height + kBand_px - 1) / kBand_px),
-      least_m2_(smallest_obstacle_m * smallest_obstacle_m),
+      smallest_m_(smallest_obstacle_m),
       matches_px_(geometry.size(), CV_32FC1),
       labels_(static_cast<std::size_t>(geometry.size().area())),
       parents_(labels_.size()),
@@ -50,7 +51,8 @@ int CoherentMatches::keep(cv::Mat& best_px, cv::Mat& repeated_px) {
   return std::accumulate(kept_.begin(), kept_.end(), 0);
 }
 
-/// A run is a patch of its own yet. Its area is that of its pixels, each at its own distance.
+/// A run is a patch of its own yet. Its area is that of its pixels, each at its own distance. What is bare has matches
+/// on its outline alone: a strip as wide as the outline counts as if it were as wide as the smallest obstacle.
 void CoherentMatches::labelRow(int v, const cv::Mat& best_px, const cv::Mat& repeated_px) {
   const auto *best = best_px.ptr<float>(v), *repeated = repeated_px.ptr<float>(v);
   auto* row = matches_px_.ptr<float>(v);
@@ -65,7 +67,8 @@ void CoherentMatches::labelRow(int v, const cv::Mat& best_px, const cv::Mat& rep
     Area area;
     do {
       labels[end] = label;
-      const double pixel_m2 = std::pow(geometry_.pixelEdge(row[end]), 2);
+      const double edge_m = geometry_.pixelEdge(row[end]);
+      const double pixel_m2 = edge_m * std::max(edge_m, smallest_m_ / kOutline_px);
       area.all_m2 += pixel_m2;
       if (std::isnan(best[end])) area.repeated_m2 += pixel_m2;
       ++end;
@@ -101,7 +104,7 @@ int CoherentMatches::keepRow(int v, cv::Mat& best_px, cv::Mat& repeated_px) cons
     if (label == kNone) continue;
     while (parents_[label] != label) label = parents_[label];
     const Area& area = areas_[label];
-    const bool is_patch = area.all_m2 - area.repeated_m2 >= least_m2_;
+    const bool is_patch = area.all_m2 - area.repeated_m2 >= smallest_m_ * smallest_m_;
     if (is_patch && 2.0 * area.repeated_m2 <= area.all_m2) {
       kept += !std::isnan(best[u]);
       continue;
