@@ -13,7 +13,7 @@ constexpr float kSky = 1.0f;
 constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
 constexpr int kLeafId = -2;  // of all leaves; their outlines are not anti-aliased: there are too many
-constexpr int kTile_px = 16;
+constexpr int kTile_px = 8;
 constexpr int kSubsamples = 8;  // on outlines only
 
 /// Where on the image a primitive can be.
@@ -187,10 +187,13 @@ class Renderer {
   Sample cast(const std::vector<int>& candidates, float u, float v) const {
     const Eigen::Vector3f direction_C((u - static_cast<float>(camera_.cx_px)) / static_cast<float>(camera_.fx_px),
                                       (v - static_cast<float>(camera_.cy_px)) / static_cast<float>(camera_.fy_px), 1);
+    const cv::Point pixel(cvRound(u), cvRound(v));
     int nearest_id = kSkyId;
     SurfacePoint nearest{std::numeric_limits<float>::infinity(), {}};
     for (const int id : candidates) {
-      if (views_[id].extent.nearest_m >= nearest.t) break;
+      const Extent& extent = views_[id].extent;
+      if (extent.nearest_m >= nearest.t) break;
+      if (!extent.pixels.contains(pixel)) continue;
       const auto hit = intersect(*views_[id].primitive, views_[id].origin_O, views_[id].R_O_C * direction_C);
       if (!hit || hit->t >= nearest.t) continue;
       nearest = *hit;

@@ -32,11 +32,8 @@ void clipBySlab(int axis, float half_m, const Eigen::Vector3f& origin, const Eig
   }
 }
 
-/// Round about the origin in the axes where `within` is 1: a sphere, or a cylinder along the axis where it is 0.
-void clipByRound(const Eigen::Vector3f& within, float radius_m, const Eigen::Vector3f& origin,
-                 const Eigen::Vector3f& direction, Passage& passage) {
-  const Eigen::Vector3f o = origin.cwiseProduct(within);
-  const Eigen::Vector3f d = direction.cwiseProduct(within);
+/// Round about the origin: a sphere, or, of a ray without its part along an axis, a cylinder along that axis.
+void clipByRound(float radius_m, const Eigen::Vector3f& o, const Eigen::Vector3f& d, Passage& passage) {
   const float squared_speed = d.squaredNorm();
   // From the nearest point of the line, not by the textbook's b^2 - 4ac: that cancels for thin poles far away.
   const float t_nearest = squared_speed > 0.0f ? -o.dot(d) / squared_speed : 0.0f;
@@ -155,14 +152,14 @@ std::optional<SurfacePoint> intersect(const Primitive& primitive, const Eigen::V
       for (int axis = 0; axis < 3; ++axis) clipBySlab(axis, half_m[axis], origin_O, direction_O, passage);
       break;
     case Shape::Cylinder:
-      clipByRound({1.0f, 1.0f, 0.0f}, half_m.x(), origin_O, direction_O, passage);
+      clipByRound(half_m.x(), {origin_O.x(), origin_O.y(), 0.0f}, {direction_O.x(), direction_O.y(), 0.0f}, passage);
       clipBySlab(2, half_m.z(), origin_O, direction_O, passage);
       break;
     case Shape::Sphere:
-      clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
+      clipByRound(half_m.x(), origin_O, direction_O, passage);
       break;
     case Shape::Foliage:
-      clipByRound({1.0f, 1.0f, 1.0f}, half_m.x(), origin_O, direction_O, passage);
+      clipByRound(half_m.x(), origin_O, direction_O, passage);
       return meetLeaves(primitive, passage, origin_O, direction_O);
   }
   if (!(0.0f < passage.enter && passage.enter <= passage.leave)) return std::nullopt;
