@@ -120,10 +120,10 @@ double peakMemory(const std::function<Chain()>& make, const Recording& recording
     _exit(write(ends[1], &peak_mib, sizeof peak_mib) == sizeof peak_mib ? 0 : 1);
   }
   double peak_mib = kNaN;
-  const bool is_told = child > 0 && read(ends[0], &peak_mib, sizeof peak_mib) == sizeof peak_mib;
+  const bool has_peak = child > 0 && read(ends[0], &peak_mib, sizeof peak_mib) == sizeof peak_mib;
   waitpid(child, nullptr, 0);
   for (const int end : ends) close(end);
-  return is_told ? peak_mib : kNaN;
+  return has_peak ? peak_mib : kNaN;
 }
 
 double quantile(std::vector<double> values, double share) {

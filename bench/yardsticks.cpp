@@ -192,7 +192,7 @@ int judge(const tools::CommandLine& options) {
   namespace shell = flight_corridor_ros;
   const tools::StereoBagReader bag(options.text("bag"), tools::StereoTopics());
   std::optional<Yardsticks> yardsticks;
-  std::vector<RangeReading> early;  // before the first pair tells the geometry
+  std::vector<RangeReading> early;  // before the geometry is known by the first pair
   tools::Progress progress("yardsticks", bag.leftImages());
   tools::StereoBagReader::Listener listener;
   listener.on_range = [&](const sensor_msgs::RangeConstPtr& range) {

@@ -48,7 +48,7 @@ LEGEND = ("False FREE and false BLOCKED: frames (share, 95 % Wilson interval as 
           "median / p95 where truth and\nverdict are BLOCKED. Reaction: median / longest, frames of the longest; changes that the verdict "
           "never followed are missed.\nTime: median per frame when the verdicts were made, with several flights at once "
           "unless --jobs 1. Frames whose obstacle stands only\nin the box's 0.10 m margin are not scored, nor those without "
-          "a verdict, of which `fails:` tells.")
+          "a verdict, which `fails:` counts.")
 
 
 def markdown(title, rows):

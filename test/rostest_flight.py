@@ -17,7 +17,7 @@ from std_msgs.msg import Bool
 LENGTH_M = 4.0  # corridor/length_m
 # The verdict may be off by one voxel and 3 % of range; within that of D_min either answer is right.
 BAND_M = 0.1 + 0.03 * LENGTH_M
-SPEED_M_S = 0.9  # of the slowest flight at the wall: the truth does not tell how far beyond the box it is
+SPEED_M_S = 0.9  # of the slowest flight at the wall: how far beyond the box it is, is not in the truth
 RATE = "0.5"  # of playing: leaves a loaded machine time to answer most frames
 
 

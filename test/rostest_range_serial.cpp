@@ -148,7 +148,7 @@ TEST_P(RangeSerialNode, AnotherSensorsBytesAreNamedInTheWarning) {
   EXPECT_TRUE(listener_->ranges.empty());
 }
 
-TEST_P(RangeSerialNode, APulledPlugIsToldAndReadingsComeAgainWithIt) {
+TEST_P(RangeSerialNode, APulledPlugIsReportedAndReadingsComeAgainWithIt) {
   start();
   ASSERT_TRUE(becomesTrue([this] { return listener_->status.values["port state"] == "No such file or directory"; }));
   EXPECT_EQ(listener_->status.level, diagnostic_msgs::DiagnosticStatus::ERROR);

@@ -66,7 +66,7 @@ TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
     return static_cast<double>(beam.matchesBeside(disparity, 3.0, 0.04).size());
   };
   EXPECT_NEAR(everyRow(2), all / 2.0, 0.05 * all);
-  EXPECT_EQ(everyRow(10), 0.0) << "too few to tell";
+  EXPECT_EQ(everyRow(10), 0.0) << "too few to know";
   EXPECT_TRUE(beam.matchesBeside(wall(3.0), 0.1, 0.04).empty()) << "not in view";
 }
 

@@ -48,10 +48,10 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
   }
 }
 
-bool isIn(const DisparityEvidence& evidence, bool is_told = false, const Box& box = kCorridor) {
+bool isIn(const DisparityEvidence& evidence, bool is_lidar_valid = false, const Box& box = kCorridor) {
   BoxView view(kGeometry);
   view.look(box, kBlind_m);
-  return Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_told);
+  return Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
@@ -98,13 +98,13 @@ void repeat(const cv::Rect& pixels, float farthest_px, DisparityEvidence& eviden
 }
 
 TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
-  for (const bool is_told : {false, true}) {
+  for (const bool is_lidar_valid : {false, true}) {
     DisparityEvidence evidence = wall();
     repeat(smallest(), 4.0f, evidence);
-    EXPECT_TRUE(isIn(evidence, is_told));
+    EXPECT_TRUE(isIn(evidence, is_lidar_valid));
     evidence = wall();
     repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4.0f, evidence);
-    EXPECT_FALSE(isIn(evidence, is_told)) << "a smaller patch, which may be behind";
+    EXPECT_FALSE(isIn(evidence, is_lidar_valid)) << "a smaller patch, which may be behind";
   }
 }
 

@@ -257,7 +257,7 @@ TEST_F(ProcessorTest, TheCorridorTurnsWithItsFrame) {
 
   StereoInputs inputs(kFar_m, 3);
   inputs.stamp(kStart + ros::Duration(0.2));
-  EXPECT_EQ(turning.process(messages(inputs)).verdict.reasons, kNoPose) << "tf has not told yet where it points";
+  EXPECT_EQ(turning.process(messages(inputs)).verdict.reasons, kNoPose) << "tf does not know yet where it points";
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(RangeFusionLaws, PaperPresetEqualsAnIndependentOracleOfItsEquations) {
     const bool both = i % 3 == 1;
     fusion.add(Sensor::Lidar, stamp_s, lidar_m, config.lidar_variance_m2);
     if (both) fusion.add(Sensor::Stereo, stamp_s, stereo_m, config.stereo_variance_m2);
-    if (i == 0) {  // the first reading is the initial state: of the rate it tells nothing, 5 m/s is its prior
+    if (i == 0) {  // the first reading is the initial state: of the rate it says nothing, 5 m/s is its prior
       oracle = {{lidar_m, 0.0}, Eigen::Vector2d(config.lidar_variance_m2, 5.0 * 5.0).asDiagonal()};
     } else if (both) {
       oracle.step(0.01, u_mps2, {lidar_m, stereo_m}, {config.lidar_variance_m2, config.stereo_variance_m2});

@@ -90,7 +90,7 @@ TEST(RangeSerialParams, EveryWrongValueIsNamedWithWhatIsAllowed) {
   complains({{"max_range_m", infinity}}, "max_range_m: ");
   complains({{"request_hz", 10}}, "request_hz: 0: protocol tfmini cannot be asked (10)");
   complains({{"protocol", std::string("lightware")}, {"strength_min", 1}},
-            "strength_min: 0: protocol lightware tells no strength (1)");
+            "strength_min: 0: protocol lightware reports no strength (1)");
 }
 
 TEST(RangeSerialParams, AllThatIsWrongIsNamedAtOnce) {

@@ -57,7 +57,7 @@ TEST(LidarLite, NoWrongByteGoesUnnoticed) {
   }
 }
 
-TEST(LidarLite, AWrongChecksumIsToldApartFromWhatIsNoLine) {
+TEST(LidarLite, AWrongChecksumIsDistinguishedFromWhatIsNoLine) {
   EXPECT_EQ(parseLidarLite("R,123,45*00").outcome, Parsed::Outcome::WrongChecksum);
   for (const char* line : {"", "*", "*00", "R,123,45", "R,123,45*6", "R,123,45*630", "R,123,45*6G", "R,123,45* 6"}) {
     EXPECT_NE(parseLidarLite(line).outcome, Parsed::Outcome::Valid) << line;

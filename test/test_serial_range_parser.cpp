@@ -178,9 +178,9 @@ TEST(RangeLimits, EachKindOfNoDistanceIsRep117s) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(limitedRange({2.0, 500.0}, limits), 2.0);
   EXPECT_EQ(limitedRange({2.0, 100.0}, limits), 2.0);
-  EXPECT_EQ(limitedRange({2.0, nan}, limits), 2.0) << "no strength is told";
+  EXPECT_EQ(limitedRange({2.0, nan}, limits), 2.0) << "no strength is reported";
   EXPECT_TRUE(std::isnan(limitedRange({2.0, 99.0}, limits))) << "weak";
-  EXPECT_TRUE(std::isnan(limitedRange({0.0, 99.0}, limits))) << "weak, as a TF-Luna tells it";
+  EXPECT_TRUE(std::isnan(limitedRange({0.0, 99.0}, limits))) << "weak, as a TF-Luna says it";
   EXPECT_TRUE(std::isnan(limitedRange({nan, 500.0}, limits)));
   EXPECT_TRUE(std::isnan(limitedRange({-1.0, 500.0}, limits)));
   EXPECT_EQ(limitedRange({0.3, 500.0}, limits), 0.3);

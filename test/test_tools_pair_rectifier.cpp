@@ -90,14 +90,14 @@ TEST_F(RawBagTest, ACalibrationFileStandsForTheInfos) {
   EXPECT_THROW(lastReport({{folder.path("camchain.yaml")}, ImageState::Rectified}), std::runtime_error);
 }
 
-TEST_F(RawBagTest, ImagesThatAreNamedOrToldRectifiedStayAsTheyAre) {
+TEST_F(RawBagTest, ImagesNamedOrDeclaredRectifiedStayAsTheyAre) {
   RawRig raw = test_support::makeRawRig(rig.calibration, false);
-  for (const auto& [name, told, is_raw] :
+  for (const auto& [name, given, is_raw] :
        {std::tuple("image_raw", ImageState::AsNamed, true), std::tuple("image_raw", ImageState::Rectified, false),
         std::tuple("image_rect", ImageState::AsNamed, false), std::tuple("image_rect_color", ImageState::Raw, true)}) {
     writeWall(kDisparity_px);
     makeRaw(raw, name, "", true);
-    const StereoBagReader bag(path(), {"", "", "", "", "", ""}, {{}, told});
+    const StereoBagReader bag(path(), {"", "", "", "", "", ""}, {{}, given});
     bool has_distortion = false;
     bag.play({}, {[&](const RecordedPair& pair) { has_distortion = pair.left_info->D[0] != 0.0; },
                   [](const sensor_msgs::RangeConstPtr&) {}});
@@ -131,11 +131,11 @@ TEST_F(RawBagTest, APairThatCannotBeRectifiedIsUnknown) {
   EXPECT_EQ(report.verdict.state, State::Unknown);
 }
 
-/// What tf tells of the LiDAR can be told by hand, also where the images name no frame.
-TEST_F(RawBagTest, TheLidarsPlaceCanBeTold) {
+/// The pose of the LiDAR can be given by hand instead of by tf, also where the images name no frame.
+TEST_F(RawBagTest, TheLidarsPoseCanBeGiven) {
   rig.T_B_L = Eigen::Translation3d(0.05, 0.02, -0.03) * Eigen::Isometry3d(test_support::turned(0.0, 0.02, 0.03));
   writeWall(kDisparity_px);
-  const Report told_by_tf = replay().back();
+  const Report with_tf = replay().back();
   for (const char* frame : {"stereo_left_optical", ""}) {
     writeWall(kDisparity_px);
     test_support::rewriteBag(path(), [&](const rosbag::MessageInstance& message, rosbag::Bag& out) {
@@ -146,10 +146,10 @@ TEST_F(RawBagTest, TheLidarsPlaceCanBeTold) {
       out.write(message.getTopic(), message.getTime(), image);
     });
     EXPECT_TRUE(std::isnan(lastReport({}).range_lidar_m) || lastReport({}).verdict.reasons & kNoLidar);
-    const Report told = lastReport({{}, ImageState::AsNamed, rig.T_B_L});
-    EXPECT_EQ(told.verdict.state, told_by_tf.verdict.state);
-    EXPECT_NEAR(told.range_lidar_m, told_by_tf.range_lidar_m, 1e-9);
-    EXPECT_NEAR(told.range.range_m, told_by_tf.range.range_m, 1e-6);
+    const Report given = lastReport({{}, ImageState::AsNamed, rig.T_B_L});
+    EXPECT_EQ(given.verdict.state, with_tf.verdict.state);
+    EXPECT_NEAR(given.range_lidar_m, with_tf.range_lidar_m, 1e-9);
+    EXPECT_NEAR(given.range.range_m, with_tf.range.range_m, 1e-6);
   }
 }
 

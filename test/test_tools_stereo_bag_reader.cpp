@@ -158,7 +158,7 @@ TEST_F(StereoBagReaderTest, ReadsCompressedImagesAsTheRawOnes) {
   EXPECT_NEAR(StereoBagReader(path(), topics).rate(), 10.0, 1e-6);
 }
 
-TEST_F(StereoBagReaderTest, ReadsCompressedImagesUnderTheNameThatIsTold) {
+TEST_F(StereoBagReaderTest, ReadsCompressedImagesUnderTheGivenName) {
   StereoTopics topics;
   writeFlight();
   compressTopic(path(), topics.left, ".jpg", "/cam0/jpeg");

@@ -20,7 +20,7 @@ class TopicFinderTest : public testing::Test {
  protected:
   std::string path() const { return folder.path("a.bag"); }
 
-  /// Two messages on each topic; of which type its name tells.
+  /// Two messages on each topic; of the type that its name says.
   void write(const std::vector<std::string>& topics) const {
     rosbag::Bag bag(path(), rosbag::bagmode::Write);
     for (const double stamp_s : {1.0, 1.5}) {

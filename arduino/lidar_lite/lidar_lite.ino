@@ -18,7 +18,7 @@ const uint8_t kStatus = 0x01;            // register; bit 0: busy, bit 3: no pea
 const uint8_t kStrength = 0x0e;          // register
 const uint8_t kDistance = 0x8f;          // registers 0x0f and 0x10, high byte first; bit 7: the next with it
 const unsigned long kMostBusy_ms = 100;  // longer: it hangs
-const unsigned int kImpossible_cm = 1;   // within the lens: what it tells without a return
+const unsigned int kImpossible_cm = 1;   // within the lens: what it reads without a return
 
 bool writeRegister(uint8_t address, uint8_t value) {
   Wire.beginTransmission(kAddress);

@@ -24,8 +24,8 @@ Doubt::Doubt(const StereoGeometry& geometry, double smallest_obstacle_m)
       labels_(static_cast<std::size_t>(geometry.size().area()), -1) {}
 
 bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                 bool is_told) {
-  collect(box, evidence, correction, is_told);
+                 bool is_lidar_valid) {
+  collect(box, evidence, correction, is_lidar_valid);
   if (candidates_.size() >= kEnough * labels_.size()) return true;
   if (repeated_m2_ > 0.0 && repeated_m2_ >= smallest_m2_) return true;
   begins_.assign(static_cast<std::size_t>(8 * evidence.set.channels()) + 1, 0);
@@ -43,7 +43,7 @@ bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const Sc
 
 /// Of pixels that are matched behind the box, and of repeated matches in it: what else is matched in it is in the map.
 void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                    bool is_told) {
+                    bool is_lidar_valid) {
   candidates_.clear();
   repeated_m2_ = 0.0;
   const int words = evidence.set.channels() / 8;
@@ -69,7 +69,7 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
     const double match_px = correction.correct(is_repeated ? repeated_px[i] : best_px[i]);
     const bool is_behind = match_px < exit_px[i];
     if (!is_behind && !is_repeated) continue;
-    const bool competes = (evidence.flags.data[i] & kCompetitor) && !(is_behind && is_told);
+    const bool competes = (evidence.flags.data[i] & kCompetitor) && !(is_behind && is_lidar_valid);
     if (!competes && !(correction.correct(nearest_px[i]) >= exit_px[i])) continue;
     const int first = places_below(exit_px[i] + kInside_px), end = places_below(entry_px[i]);
     if (first >= end) continue;

@@ -62,7 +62,7 @@ Violations check(const RangeSerialConfig& c) {
   require(0.0 <= c.limits.strength_min && std::isfinite(c.limits.strength_min), "strength_min", "0 or more, finite",
           c.limits.strength_min);
   require(hasStrength(c.protocol) || c.limits.strength_min == 0.0, "strength_min",
-          "0: protocol " + std::string(toString(c.protocol)) + " tells no strength", c.limits.strength_min);
+          "0: protocol " + std::string(toString(c.protocol)) + " reports no strength", c.limits.strength_min);
   require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
   require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
           "0: protocol " + std::string(toString(c.protocol)) + " cannot be asked", c.request_hz);

@@ -50,10 +50,10 @@ std::optional<Measurement> parseBody(std::string_view body) {
 Parsed parseLidarLite(std::string_view line) {
   const std::size_t star = line.rfind('*');
   if (star == std::string_view::npos || line.size() - star - 1 != kChecksumDigits) return {};
-  const auto told = parseNumber<std::uint8_t>(line.substr(star + 1), 16);
-  if (!told) return {};
+  const auto announced = parseNumber<std::uint8_t>(line.substr(star + 1), 16);
+  if (!announced) return {};
   const std::string_view body = line.substr(0, star);
-  if (*told != checksum(body)) return {Parsed::Outcome::WrongChecksum, {}};
+  if (*announced != checksum(body)) return {Parsed::Outcome::WrongChecksum, {}};
   const std::optional<Measurement> measurement = parseBody(body);
   return measurement ? Parsed{Parsed::Outcome::Valid, *measurement} : Parsed{};
 }

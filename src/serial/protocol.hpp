@@ -21,7 +21,7 @@ struct SensorDefaults {
 };
 SensorDefaults defaultsOf(Protocol protocol);
 
-/// Whether its readings tell how strong the return was.
+/// Whether its readings say how strong the return was.
 bool hasStrength(Protocol protocol);
 /// What makes a LiDAR that speaks on demand send one reading; "" where none waits to be asked.
 std::string requestOf(Protocol protocol);

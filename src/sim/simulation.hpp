@@ -35,7 +35,7 @@ struct ImuReading {
 };
 
 /// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed when asked for.
-/// The same options give the same bytes, in whatever order things are asked for.
+/// The same options give the same bytes, in whatever order they are asked for.
 class Simulation {
  public:
   /// @throws std::invalid_argument naming what is unknown or impossible, and what is known.

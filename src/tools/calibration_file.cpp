@@ -37,7 +37,7 @@ constexpr char kText[] =
 
 using Reader = StereoCameras (*)(const CalibrationTexts& texts, const ImageFormat& images);
 
-/// What tells another tool's file: one of these texts, of which all parts are in it. Blanks do not count.
+/// How another tool's file is recognised: one of these texts, of which all parts are in it. Blanks do not count.
 struct Kind {
   const char* name;
   std::vector<std::vector<const char*>> signs;

@@ -14,7 +14,7 @@ struct ImageFormat {
   bool is_colour = false;  ///< KITTI's grey and colour pairs have calibrations of their own.
 };
 
-/// Reads a pair's calibration from one file, or from two: left, right. What is in it tells its kind; calibrationKinds()
+/// Reads a pair's calibration from one file, or from two: left, right. Its content decides its kind; calibrationKinds()
 /// lists those that are read. Baselines of Middlebury and ZED files are in millimetres, all others in metres.
 /// @throws std::runtime_error naming the files and every key that is missing or no number, what is impossible, and,
 /// where a file of another kind is recognised, which, and how its numbers are converted.

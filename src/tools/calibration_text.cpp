@@ -172,7 +172,7 @@ StereoCameras readZed(const CalibrationTexts& texts, const ImageFormat& images) 
   if (!resolution) {
     fail("a ZED has no images of " + std::to_string(images.size_px.width) + "x" +
          std::to_string(images.size_px.height) +
-         "; of 2208x1242, 1920x1080, 1280x720, 672x376, 1920x1200 or 960x600 it tells the calibration");
+         "; of 2208x1242, 1920x1080, 1280x720, 672x376, 1920x1200 or 960x600 it gives the calibration");
   }
   const std::string name = resolution->name;
   // Some files write TY and TZ for each resolution, others once.

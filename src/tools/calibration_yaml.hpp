@@ -11,7 +11,7 @@ struct ImageFormat;
 using CalibrationTexts = std::vector<std::string>;  ///< Of the files, in the order in which they were given.
 
 // Calibrations in YAML. All throw std::runtime_error naming key and fault, and how many files are wanted where it is
-// another number. Where the file tells no image size, that of the images is taken.
+// another number. Where the file has no image size, that of the images is taken.
 
 /// One file: cam0 and cam1 with intrinsics, distortion and cam1's T_cn_cnm1.
 StereoCameras readKalibr(const CalibrationTexts& texts, const ImageFormat& images);

@@ -26,11 +26,11 @@ bool isCutOff(const std::vector<std::uint8_t>& data) {
 cv::Mat decode(const std::vector<std::uint8_t>& data) try {
   if (data.empty() || isCutOff(data)) return {};
   return cv::imdecode(data, cv::IMREAD_UNCHANGED);
-} catch (const cv::Exception&) {  // e.g. a header that tells an absurd size
+} catch (const cv::Exception&) {  // e.g. a header with an absurd size
   return {};
 }
 
-/// The encoding before the image was compressed, where the message tells one: "mono8; jpeg compressed ".
+/// The encoding before the image was compressed, where the message names one: "mono8; jpeg compressed ".
 std::string announcedEncoding(const std::string& format, int type) try {
   const std::string announced = format.substr(0, format.find(';'));
   return cv_bridge::getCvType(announced) == type ? announced : "";

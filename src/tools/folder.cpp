@@ -189,7 +189,7 @@ void readCameras(const std::vector<std::string>& calibration_files, ImageState i
   if (are_raw) recording.rectifier = std::make_shared<const Rectifier>(cameras);
   if (!are_raw && cameras.is_rectification_computed) {
     fail(calibration_files.front(),
-         "tells of raw images only, not how these were rectified: leave out --rectified where they are raw");
+         "is of raw images only, not how these were rectified: leave out --rectified where they are raw");
   }
   const StereoCameras ideal = rectified(cameras);
   recording.rig.calibration = flight_corridor_ros::toCalibration(ideal.left, ideal.right);

@@ -35,11 +35,11 @@ struct FolderRecording {
   std::vector<Stamped<Eigen::Isometry3d>> poses_W_B;
 };
 
-/// What a folder does not tell.
+/// What a folder does not hold.
 struct FolderReading {
   double rate_hz = 10.0;                            ///< Of the pairs where there are no stamps.
   std::vector<std::string> calibration_files = {};  ///< In place of the folder's own; see readCalibration.
-  ImageState images = ImageState::AsNamed;          ///< AsNamed: raw where the calibration tells how to rectify.
+  ImageState images = ImageState::AsNamed;          ///< AsNamed: raw where the calibration says how to rectify.
 };
 
 /// Stamps move by one second where the recording starts before 1 s, because ROS reads stamp 0 as "no time".

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
       .required("folder", "D",
                 "folder with left/, right/ (2.png comes before 10.png) and calib.yaml, or an EuRoC folder")
       .required("out", "F.bag", "bag to write")
-      .optional("rate", "HZ", "rate of the pairs where nothing tells their stamps", "10")
+      .optional("rate", "HZ", "rate of the pairs where nothing gives their stamps", "10")
       .repeatable("calib", "FILE", "calibration, in place of the folder's; where each camera has a file: left first")
       .flag("rectified", "the images are rectified already: of the calibration only their projection matrices count")
       .notes(

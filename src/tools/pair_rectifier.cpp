@@ -34,12 +34,12 @@ sensor_msgs::ImagePtr toMessage(const std_msgs::Header& header, const cv::Mat& i
 
 }  // namespace
 
-bool mayBeRaw(ImageState told, const std::string& topic) {
-  return told == ImageState::Raw || (told == ImageState::AsNamed && !isNamedRectified(topic));
+bool mayBeRaw(ImageState declared, const std::string& topic) {
+  return declared == ImageState::Raw || (declared == ImageState::AsNamed && !isNamedRectified(topic));
 }
 
-bool areRaw(ImageState told, const std::string& topic, const StereoCameras& cameras) {
-  return told == ImageState::Raw || (mayBeRaw(told, topic) && !areRectified(cameras));
+bool areRaw(ImageState declared, const std::string& topic, const StereoCameras& cameras) {
+  return declared == ImageState::Raw || (mayBeRaw(declared, topic) && !areRectified(cameras));
 }
 
 void PairRectifier::fit(const StereoCameras& cameras) {

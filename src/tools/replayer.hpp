@@ -18,7 +18,7 @@ namespace flight_corridor::tools {
 /// @throws std::invalid_argument naming what is wrong with the file or its keys.
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
-/// Declares --left, --left-info, --right, --right-info, --range and --imu, and what a bag does not tell: --calib,
+/// Declares --left, --left-info, --right, --right-info, --range and --imu, and what a bag does not hold: --calib,
 /// --raw,
 /// --rectified and --lidar-at.
 void declareBag(CommandLine& options);

@@ -122,7 +122,7 @@ int main(int argc, char** argv) {
       .question("families",
                 "print NAME,KIND of the scenes that are scored: visible, unseeable (FREE has no evidence), too_near "
                 "(for stereo) or "
-                "hidden (no sensor can tell)",
+                "hidden (no sensor can see it)",
                 familyLines)
       .question("list-lidar-faults", "print the names of the LiDAR's faults",
                 [] { return lines(flight_corridor::sim::lidarFaultNames()); })

@@ -79,7 +79,7 @@ class StereoBagReader::PairBuilder {
     if (topic == heard_[3].topic) add(read<CameraInfo>(bag_, message), heard_[3], right_info_);
   }
 
-  /// Of what came so far. What a file tells is never missing.
+  /// Of what came so far. What a file holds is never missing.
   PairStamps heard() const {
     PairStamps heard = heard_;
     if (rectification_.cameras) heard[1].stamps = heard[3].stamps = heard_[0].stamps;
@@ -169,7 +169,7 @@ void StereoBagReader::readCalibrationFiles() {
   const StereoCameras cameras = readCalibration(reading_.calibration_files, {size, is_colour});
   rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
   if (!rectification_.is_raw && cameras.is_rectification_computed) {
-    throw std::runtime_error(reading_.calibration_files.front() + ": tells of raw images only, not how those of " +
+    throw std::runtime_error(reading_.calibration_files.front() + ": is of raw images only, not how those of " +
                              topics_.left + " were rectified; if they are raw: --raw");
   }
   rectification_.cameras = rectification_.is_raw ? cameras : rectified(cameras);
@@ -250,7 +250,7 @@ void StereoBagReader::requireRanges() const { requireTopic(topics_.range, typeOf
 
 void StereoBagReader::requireImu() const { requireTopic(topics_.imu, typeOf<sensor_msgs::Imu>()); }
 
-/// Of the LiDAR, told by hand.
+/// Of the LiDAR, given by hand.
 geometry_msgs::TransformStamped StereoBagReader::mounting() const {
   geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
   const std::string frame =

@@ -30,7 +30,7 @@ struct RecordedPair : StereoMessages {
   ros::Time recorded;
 };
 
-/// What a bag does not tell.
+/// What a bag does not hold.
 struct BagReading {
   std::vector<std::string> calibration_files = {};  ///< In place of CameraInfos; see readCalibration.
   ImageState images = ImageState::AsNamed;
@@ -85,7 +85,7 @@ class StereoBagReader {
 
   /// How images become rectified pairs.
   struct Rectification {
-    std::optional<StereoCameras> cameras;  ///< Those of a file; else the bag's CameraInfos tell.
+    std::optional<StereoCameras> cameras;  ///< Those of a file; else the bag's CameraInfos.
     bool is_raw = false;
     std::string frame;  ///< Of images that name none.
   };

@@ -8,7 +8,7 @@
 
 namespace flight_corridor::tools {
 
-/// The two cameras of a pair, as ROS describes them: K and D tell how a raw image sees, R and P how the rectified image
+/// The two cameras of a pair, as ROS describes them: K and D say how a raw image sees, R and P how the rectified image
 /// that is made of it does.
 struct StereoCameras {
   sensor_msgs::CameraInfo left, right;

@@ -46,10 +46,10 @@ class RangeSerialListener {
 
  private:
   void take(const diagnostic_msgs::DiagnosticArray& message) {
-    for (const auto& told : message.status) {
-      if (told.name.find(name_ + ":") == std::string::npos) continue;
-      status = {told.level, told.message, {}};
-      for (const auto& value : told.values) status.values[value.key] = value.value;
+    for (const auto& reported : message.status) {
+      if (reported.name.find(name_ + ":") == std::string::npos) continue;
+      status = {reported.level, reported.message, {}};
+      for (const auto& value : reported.values) status.values[value.key] = value.value;
     }
   }
 

@@ -23,14 +23,16 @@ class Doubt {
   void setSmallestObstacle(double edge_m) { smallest_m2_ = edge_m * edge_m; }
 
   /// @param evidence of the pair.  @param correction of its disparities.
-  /// @param is_told where a repeated pattern is: then its competitors are none.
-  bool isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_told);
+  /// @param is_lidar_valid its range says how far a pattern behind the box is: its competitors are none.
+  bool isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+            bool is_lidar_valid);
 
   /// CV_8UC1, 255: pixels that isIn() found last.
   cv::Mat image() const;
 
  private:
-  void collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_told);
+  void collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+               bool is_lidar_valid);
   bool holdsPatch(int place, const ScaleCorrection& correction);
   int root(int label);
 
