@@ -59,7 +59,8 @@ int framesUntilRight(const std::vector<Sample>& samples, double change_s, double
 
 void judge(const Approach& approach, const std::vector<Sample>& samples, Score& score) {
   for (const Sample& sample : samples) {
-    const double since_s = sample.stamp_s - lastChange(approach, sample.stamp_s);
+    const double changed_s = std::max(0.0, lastChange(approach, sample.stamp_s));  // 0: when the flight begins
+    const double since_s = sample.stamp_s - changed_s;
     if (!isFrame(sample) || since_s < kFramesToFollow / kFrames_hz) continue;
     const double error_m = std::isnan(sample.fused_m) ? kInfinity : std::abs(sample.fused_m - sample.true_m);
     score.largest_m = std::max(score.largest_m, error_m);
