@@ -51,7 +51,7 @@ class TrueDepth:
 
     def passage(self, box):
         """Between which depths each pixel's ray is in a box; where it leaves before it enters, it never is."""
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             sides = np.sort([(-box.left - box.width / 2) / self.x, (-box.left + box.width / 2) / self.x], axis=0)
             heights = np.sort([-box.height / 2 / self.y, box.height / 2 / self.y], axis=0)
         enter = np.maximum(0.0, np.maximum(sides[0], heights[0]))
