@@ -57,6 +57,13 @@ TEST_F(PairWatchTest, NamesATopicThatFellSilent) {
   EXPECT_TRUE(says("No image on /r/image_rect."));
 }
 
+TEST_F(PairWatchTest, KnowsSilenceFromWhatNeverCame) {
+  hearImages(9.0);
+  hearInfos(calibrated(), 9.0);
+  EXPECT_TRUE(says("All four topics came before and are silent now"));
+  EXPECT_FALSE(says("Calibrate"));
+}
+
 TEST_F(PairWatchTest, AsksForTheStampsWhenAllCameWithoutAPair) {
   hearImages(11.0);
   hearInfos(calibrated(), 11.0);

@@ -1,5 +1,7 @@
 #include "ros/pair_watch.hpp"
 
+#include <algorithm>
+
 namespace flight_corridor_ros {
 
 namespace {
@@ -28,6 +30,10 @@ std::string PairWatch::explain(const std::array<std::string, 4>& names, double s
   std::string images, infos, uncalibrated;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    const bool has_ended = std::all_of(heard_.begin(), heard_.end(), [&](const Heard& heard) {
+      return -flight_corridor::kInfinity < heard.at_s && heard.at_s < since_s;
+    });
+    if (has_ended) return "All four topics came before and are silent now: has the driver, or the bag, ended?";
     for (const Topic topic : {kLeft, kLeftInfo, kRight, kRightInfo}) {
       const bool is_image = topic == kLeft || topic == kRight;
       if (heard_[topic].at_s < since_s) {

@@ -48,6 +48,15 @@ void toMillimetres(const cv::Mat& depth_m, cv::Mat& depth_mm) {
   }
 }
 
+std::string metresAhead(const char* text, double ahead_m) {
+  std::array<char, 64> line;
+  std::snprintf(line.data(), line.size(), text, ahead_m);
+  return line.data();
+}
+
+std::string depthCaption(double ahead_m) { return metresAhead("depth, filled: red near, blue %.0f m", ahead_m); }
+std::string mapCaption(double ahead_m) { return metresAhead("map, %.0f m: dark occupied, white free", ahead_m); }
+
 /// Scaled to a height; of a width whose half is even.
 cv::Mat scaledTo(int height_px, const cv::Mat& picture) {
   cv::Mat scaled;
@@ -99,6 +108,9 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
   matched_.setTo(cv::Scalar::all(255), pipeline.doubtful());
   drawDepth(filledDepth(pipeline), ahead_m, depth_);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, overlay_.size(), map_);
+  writeCaption("depth of the matches; white: they also fit in the box", matched_);
+  writeCaption(depthCaption(ahead_m), depth_);
+  writeCaption(mapCaption(ahead_m), map_);
   cv::Mat lower;
   cv::hconcat(overlay_, matched_, panels_);
   cv::hconcat(depth_, map_, lower);
@@ -115,6 +127,8 @@ void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   drawDepth(filledDepth(pipeline), ahead_m, depth_);
   cv::resize(depth_, depth_, quarter_px, 0.0, 0.0, cv::INTER_AREA);
   drawMapFromAbove(pipeline.map().tree(), pipeline.box(), report.verdict, ahead_m, quarter_px, map_);
+  writeCaption(depthCaption(ahead_m), depth_);
+  writeCaption(mapCaption(ahead_m), map_);
   cv::vconcat(depth_, map_, panels_);
   cv::hconcat(overlay, panels_, panels_);
   drawVerdicts(verdicts_, options_.video_frames, cv::Size(panels_.cols, kLineHeight_px), line_);

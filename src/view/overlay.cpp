@@ -104,11 +104,17 @@ void drawOverlay(const cv::Mat& left, const StereoGeometry& geometry, const Box&
   const double scale = std::max(0.4, out.cols / 900.0);
   const int line_px = cvRound(32 * scale);
   write(out, toString(verdict.state), {line_px / 2, line_px}, 1.2 * scale, paint);
-  write(out, metres("clear", verdict.clear_distance_m, "ahead"), {line_px / 2, 2 * line_px}, 0.75 * scale,
+  const char* all_clear = verdict.state == State::Free ? "to the end" : "distance unknown";
+  write(out, metres("clear", verdict.clear_distance_m, all_clear), {line_px / 2, 2 * line_px}, 0.75 * scale,
         {255, 255, 255});
-  write(out, metres("d_K", range.range_m, "none"), {line_px / 2, cvRound(2.8 * line_px)}, 0.75 * scale,
+  write(out, metres("fused range", range.range_m, "unknown"), {line_px / 2, cvRound(2.8 * line_px)}, 0.75 * scale,
         {255, 255, 255});
   write(out, describeReasons(verdict.reasons), {line_px / 2, out.rows - line_px / 2}, 0.6 * scale, {255, 255, 255});
+}
+
+void writeCaption(const std::string& text, cv::Mat& image) {
+  const double scale = std::max(0.4, image.cols / 1200.0);
+  write(image, text, {cvRound(12 * scale), image.rows - cvRound(14 * scale)}, scale, {255, 255, 255});
 }
 
 void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out) {

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <opencv2/core/mat.hpp>
+#include <string>
 #include <vector>
 
 #include "flight_corridor/corridor/verdict.hpp"
@@ -19,6 +20,9 @@ namespace flight_corridor {
 /// @param out   CV_8UC3 (BGR), refilled, same size.
 void drawOverlay(const cv::Mat& left, const StereoGeometry& geometry, const Box& box_C, const Verdict& verdict,
                  const RangeEstimate& range, cv::Mat& out);
+
+/// One line at the lower edge of a picture, CV_8UC3.
+void writeCaption(const std::string& text, cv::Mat& image);
 
 /// Depth as colours, near red to far blue, nothing black.  @param depth_m CV_32FC1.  @param out CV_8UC3 (BGR).
 void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out);
