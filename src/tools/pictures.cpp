@@ -48,14 +48,8 @@ void toMillimetres(const cv::Mat& depth_m, cv::Mat& depth_mm) {
   }
 }
 
-std::string metresAhead(const char* text, double ahead_m) {
-  std::array<char, 64> line;
-  std::snprintf(line.data(), line.size(), text, ahead_m);
-  return line.data();
-}
-
-std::string depthCaption(double ahead_m) { return metresAhead("depth, filled: red near, blue %.0f m", ahead_m); }
-std::string mapCaption(double ahead_m) { return metresAhead("map, %.0f m: dark occupied, white free", ahead_m); }
+std::string depthCaption(double ahead_m) { return cv::format("depth, filled: red near, blue %.0f m", ahead_m); }
+std::string mapCaption(double ahead_m) { return cv::format("map, %.0f m: dark occupied, white free", ahead_m); }
 
 /// Scaled to a height; of a width whose half is even.
 cv::Mat scaledTo(int height_px, const cv::Mat& picture) {
