@@ -204,7 +204,8 @@ TEST_P(RangeSerialNode, DiagnosticsTellRateAndStrength) {
   sensor_.emplace(link_);
   start();
   ASSERT_TRUE(
-      becomesTrue([this] { return listener_->status.number("readings [Hz]") > 5.0; }, wireBytes(GetParam(), 200)));
+      becomesTrue([this] { return listener_->status.number("readings [Hz]") > 5.0; }, wireBytes(GetParam(), 200)))
+      << listener_->status.summary << ", " << listener_->ranges.size() << " ranges; " << output();
   EXPECT_EQ(listener_->status.level, diagnostic_msgs::DiagnosticStatus::OK) << listener_->status.summary;
   EXPECT_EQ(listener_->status.values["port state"], "open");
   EXPECT_EQ(listener_->status.values["port"], link_);

@@ -9,7 +9,7 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::vgaCalibration());
+using test_support::kVgaGeometry;
 
 Eigen::Isometry3d besideTheCamera() {
   Eigen::Isometry3d T_C_L = opticalFromForward();
@@ -17,10 +17,12 @@ Eigen::Isometry3d besideTheCamera() {
   return T_C_L;
 }
 
-cv::Mat wall(double depth_m) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kGeometry.disparity(depth_m))); }
+cv::Mat wallDisparity(double depth_m) {
+  return cv::Mat(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kVgaGeometry.disparity(depth_m)));
+}
 
 TEST(BeamFootprint, ThePixelMovesWithRangeTowardsTheVanishingPoint) {
-  const BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
   const Eigen::Vector2d principal(319.5, 239.5);
   const double near = (beam.at(1.0, 0.02)->centre_px - principal).norm();
   const double far = (beam.at(8.0, 0.02)->centre_px - principal).norm();
@@ -30,14 +32,14 @@ TEST(BeamFootprint, ThePixelMovesWithRangeTowardsTheVanishingPoint) {
 TEST(BeamFootprint, DepthUndoesRange) {
   Eigen::Isometry3d T_C_L = besideTheCamera();
   T_C_L.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
-  const BeamFootprint beam(LidarConfig(), kGeometry, T_C_L);
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L);
   for (const double range : {0.5, 2.0, 7.0}) EXPECT_NEAR(beam.range(beam.depth(range)), range, 1e-12);
 }
 
 TEST(BeamFootprint, ReadsTheWallsRangeFromAnyGuess) {
-  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
   for (const double guess : {kNaN, 0.6, 3.1, 50.0}) {
-    const auto reading = beam.read(wall(3.0), guess, 0.04);
+    const auto reading = beam.read(wallDisparity(3.0), guess, 0.04);
     ASSERT_TRUE(reading) << guess;
     EXPECT_NEAR(reading->range_m, 3.1, 1e-4);  // depth 3 m seen from 0.1 m behind; CV_32F
     EXPECT_NEAR(reading->disparity_sigma_px, 0.0, 1e-6);
@@ -45,8 +47,8 @@ TEST(BeamFootprint, ReadsTheWallsRangeFromAnyGuess) {
 }
 
 TEST(BeamFootprint, AMedianWithstandsOutliers) {
-  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
-  cv::Mat disparity = wall(3.0);
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  cv::Mat disparity = wallDisparity(3.0);
   for (int v = 0; v < disparity.rows; v += 3) disparity.row(v).setTo(100.0);
   const auto reading = beam.read(disparity, 3.0, 0.1);
   ASSERT_TRUE(reading);
@@ -54,12 +56,12 @@ TEST(BeamFootprint, AMedianWithstandsOutliers) {
 }
 
 TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
-  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
   const double radius_px = beam.at(3.0, 0.04)->radius_px;
-  const auto all = static_cast<double>(beam.matchesBeside(wall(3.0), 3.0, 0.04).size());
+  const auto all = static_cast<double>(beam.matchesBeside(wallDisparity(3.0), 3.0, 0.04).size());
   EXPECT_NEAR(all, 9.0 * M_PI * radius_px * radius_px, 0.02 * all);
   const auto everyRow = [&](int step) {
-    cv::Mat disparity = wall(3.0);
+    cv::Mat disparity = wallDisparity(3.0);
     for (int v = 0; v < disparity.rows; ++v) {
       if (v % step) disparity.row(v).setTo(kNaN);
     }
@@ -67,32 +69,32 @@ TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
   };
   EXPECT_NEAR(everyRow(2), all / 2.0, 0.05 * all);
   EXPECT_EQ(everyRow(10), 0.0) << "too few to know";
-  EXPECT_TRUE(beam.matchesBeside(wall(3.0), 0.1, 0.04).empty()) << "not in view";
+  EXPECT_TRUE(beam.matchesBeside(wallDisparity(3.0), 0.1, 0.04).empty()) << "not in view";
 }
 
 TEST(BeamFootprint, WithoutEnoughMatchesThereIsNoReading) {
-  BeamFootprint beam(LidarConfig(), kGeometry, besideTheCamera());
-  EXPECT_FALSE(beam.read(cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), 3.0, 0.04));
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  EXPECT_FALSE(beam.read(cv::Mat(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), 3.0, 0.04));
 }
 
 TEST(BeamFootprint, TwoSurfacesWidenTheSpread) {
-  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
-  cv::Mat disparity = wall(6.0);
-  disparity.colRange(0, 321).setTo(kGeometry.disparity(3.0));
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
+  cv::Mat disparity = wallDisparity(6.0);
+  disparity.colRange(0, 321).setTo(kVgaGeometry.disparity(3.0));
   const auto reading = beam.read(disparity, 3.0, 0.1);
   ASSERT_TRUE(reading);
-  disparity = wall(3.0);
+  disparity = wallDisparity(3.0);
   EXPECT_GE(reading->disparity_sigma_px, beam.read(disparity, 3.0, 0.1)->disparity_sigma_px);
 }
 
 TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
-  cv::Mat disparity_px = wall(4.0);
-  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
+  cv::Mat disparity_px = wallDisparity(4.0);
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
   const auto reading = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->unity, 1.0);
   const int beside = static_cast<int>(reading->footprint.centre_px.x() + 2.0 * reading->footprint.radius_px);
-  disparity_px.colRange(beside, disparity_px.cols).setTo(kGeometry.disparity(3.0));
+  disparity_px.colRange(beside, disparity_px.cols).setTo(kVgaGeometry.disparity(3.0));
   const auto with_other = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(with_other);
   EXPECT_EQ(with_other->disparity_px, reading->disparity_px);
@@ -100,13 +102,13 @@ TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
 }
 
 TEST(BeamFootprint, SurfacesThatAreMetresApartFarAwayAreTwo) {
-  BeamFootprint beam(LidarConfig(), kGeometry, opticalFromForward());
-  cv::Mat disparity_px = wall(12.0);
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
+  cv::Mat disparity_px = wallDisparity(12.0);
   const auto reading = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(reading);
   const int beside = static_cast<int>(reading->footprint.centre_px.x() + 2.0 * reading->footprint.radius_px);
-  ASSERT_LT(kGeometry.disparity(10.0) - kGeometry.disparity(12.0), 1.0);
-  disparity_px.colRange(beside, disparity_px.cols).setTo(kGeometry.disparity(10.0));
+  ASSERT_LT(kVgaGeometry.disparity(10.0) - kVgaGeometry.disparity(12.0), 1.0);
+  disparity_px.colRange(beside, disparity_px.cols).setTo(kVgaGeometry.disparity(10.0));
   const auto with_other = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(with_other);
   EXPECT_LT(with_other->unity, 0.8);
@@ -115,14 +117,14 @@ TEST(BeamFootprint, SurfacesThatAreMetresApartFarAwayAreTwo) {
 TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
   Eigen::Isometry3d T_C_L = opticalFromForward();
   T_C_L.translation().x() = 1.0;  // metres to the right: the beam enters the view only far ahead
-  const BeamFootprint beam(LidarConfig(), kGeometry, T_C_L);
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L);
   EXPECT_FALSE(beam.at(0.5, 0.02));
   EXPECT_TRUE(beam.at(5.0, 0.02));
 }
 
 TEST(BeamFootprint, ABeamEndsInViewOrElsewhere) {
   const auto endsInView = [](const Eigen::Isometry3d& T_C_L) {
-    return BeamFootprint::endsInView(LidarConfig(), kGeometry, T_C_L);
+    return BeamFootprint::endsInView(LidarConfig(), kVgaGeometry, T_C_L);
   };
   const auto turned = [](double down_rad) {
     return opticalFromForward() * Eigen::AngleAxisd(down_rad, Eigen::Vector3d::UnitY());
@@ -139,8 +141,8 @@ TEST(BeamFootprint, ABeamEndsInViewOrElsewhere) {
 
 TEST(BeamFootprint, RefusesABeamThatLooksElsewhere) {
   EXPECT_TRUE(BeamFootprint::looksAhead(opticalFromForward()));
-  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
-  EXPECT_THROW(BeamFootprint(LidarConfig(), kGeometry, opticalFromForward().inverse()), std::invalid_argument);
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, opticalFromForward().inverse()), std::invalid_argument);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "flight_corridor/geometry/box.hpp"
 #include "sim/truth.hpp"
+#include "support/random_octree.hpp"
 #include "support/random_pose.hpp"
 
 namespace flight_corridor {
@@ -13,7 +14,7 @@ namespace {
 
 using test_support::randomPose;
 
-constexpr double kResolution_m = 0.1;
+using test_support::kResolution_m;
 
 TEST(Box, ImpossibleOnesAreNamed) {
   const Box good{Eigen::Isometry3d::Identity(), {4.0, 1.2, 0.4}};

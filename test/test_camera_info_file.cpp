@@ -6,14 +6,17 @@
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "ros/camera_info_file.hpp"
 #include "ros/conversions.hpp"
+#include "support/contains.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
+using flight_corridor::test_support::contains;
+
 const std::string kEuroc = FLIGHT_CORRIDOR_SOURCE_DIR "/config/euroc/";
 
-std::string complaintAbout(const std::string& path) {
+std::string complaintAboutCalibration(const std::string& path) {
   try {
     readCameraInfo(path);
   } catch (const std::invalid_argument& error) {
@@ -21,8 +24,6 @@ std::string complaintAbout(const std::string& path) {
   }
   return "";
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 class CameraInfoFile : public testing::Test {
  protected:
@@ -53,17 +54,17 @@ TEST_F(CameraInfoFile, TheShippedPairIsARectifiedRig) {
 }
 
 TEST_F(CameraInfoFile, NamesAMissingFileAndOneThatHoldsNoMap) {
-  EXPECT_TRUE(contains(complaintAbout("/no/such.yaml"), "/no/such.yaml"));
+  EXPECT_TRUE(contains(complaintAboutCalibration("/no/such.yaml"), "/no/such.yaml"));
   std::ofstream(path()) << "- 1\n";
-  EXPECT_TRUE(contains(complaintAbout(path()), path() + ": holds no calibration"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(path()), path() + ": holds no calibration"));
 }
 
 TEST_F(CameraInfoFile, NamesEveryKeyThatIsMissingOrWrong) {
-  EXPECT_TRUE(contains(complaintAbout(write("image_width", "width")), "image_width"));
-  EXPECT_TRUE(contains(complaintAbout(write("image_height: 480", "image_height: tall")), "image_height"));
-  EXPECT_TRUE(contains(complaintAbout(write("458.654, ", "")), "camera_matrix (8 numbers, must be 9)"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(write("image_width", "width")), "image_width"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(write("image_height: 480", "image_height: tall")), "image_height"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(write("458.654, ", "")), "camera_matrix (8 numbers, must be 9)"));
   std::ofstream(path()) << "image_width: 752\n";
-  const std::string complaint = complaintAbout(path());
+  const std::string complaint = complaintAboutCalibration(path());
   for (const char* key : {"image_height", "distortion_model", "distortion_coefficients", "camera_matrix",
                           "rectification_matrix", "projection_matrix"}) {
     EXPECT_TRUE(contains(complaint, key)) << complaint;

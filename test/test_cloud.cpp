@@ -7,11 +7,11 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::smallCalibration());
+using test_support::kSmallGeometry;
 
 TEST(Cloud, ACloudHoldsOnePointForEachVoxelOfAWall) {
-  const cv::Mat left(kGeometry.size(), CV_8UC1, cv::Scalar(77));
-  const Cloud cloud = toCloud(test_support::wallDepth(kGeometry.size(), 4.05), left, kGeometry, {}, 0.1);
+  const cv::Mat left(kSmallGeometry.size(), CV_8UC1, cv::Scalar(77));
+  const Cloud cloud = toCloud(test_support::wallDepth(kSmallGeometry.size(), 4.05), left, kSmallGeometry, {}, 0.1);
   const double width_m = 4.05 * 320 / 175, height_m = 4.05 * 240 / 175;
   EXPECT_NEAR(cloud.size(), width_m * height_m / 0.01, 0.05 * cloud.size());  // cells cut by the image's border
   for (const auto& point : cloud) {
@@ -21,16 +21,16 @@ TEST(Cloud, ACloudHoldsOnePointForEachVoxelOfAWall) {
 }
 
 TEST(Cloud, LonePixelsAreNoise) {
-  cv::Mat depth(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
+  cv::Mat depth(kSmallGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
   depth.at<float>(50, 50) = 2.0f;
   depth.at<float>(50, 51) = 2.0f;
-  const Cloud cloud = toCloud(depth, cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(0)), kGeometry, {}, 0.1);
+  const Cloud cloud = toCloud(depth, cv::Mat(kSmallGeometry.size(), CV_8UC1, cv::Scalar(0)), kSmallGeometry, {}, 0.1);
   EXPECT_TRUE(cloud.empty());
 }
 
 TEST(Cloud, NothingBeyondTheRangeIsKept) {
-  const Cloud cloud =
-      toCloud(test_support::wallDepth(kGeometry.size(), 8.1), cv::Mat(kGeometry.size(), CV_8UC1), kGeometry, {}, 0.1);
+  const Cloud cloud = toCloud(test_support::wallDepth(kSmallGeometry.size(), 8.1),
+                              cv::Mat(kSmallGeometry.size(), CV_8UC1), kSmallGeometry, {}, 0.1);
   EXPECT_TRUE(cloud.empty());
 }
 

@@ -8,27 +8,28 @@
 
 #include "flight_corridor/stereo/coherent_matches.hpp"
 #include "support/calibrations.hpp"
+#include "support/corridor_box.hpp"
 
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::smallCalibration());
-constexpr double kSmallest_m = 0.05;
+using test_support::kSmallest_m;
+using test_support::kSmallGeometry;
 
-cv::Mat nothing() { return {kGeometry.size(), CV_32FC1, cv::Scalar(kNaN)}; }
+cv::Mat nothing() { return {kSmallGeometry.size(), CV_32FC1, cv::Scalar(kNaN)}; }
 
 int matches(const cv::Mat& disparity_px) { return cv::countNonZero(disparity_px > 0.0); }
 
 int kept(cv::Mat disparity_px, double smallest_m = kSmallest_m) {
   cv::Mat repeated_px = nothing();
-  const int kept = CoherentMatches(kGeometry, smallest_m, 2).keep(disparity_px, repeated_px);
+  const int kept = CoherentMatches(kSmallGeometry, smallest_m, 2).keep(disparity_px, repeated_px);
   EXPECT_EQ(kept, matches(disparity_px));
   return kept;
 }
 
 /// What a pixel counts: an outline, 9 px wide, is as wide as the smallest obstacle.
 double pixelArea(double disparity_px) {
-  const double edge_m = kGeometry.calibration().baseline_m / disparity_px;
+  const double edge_m = kSmallGeometry.calibration().baseline_m / disparity_px;
   return edge_m * std::max(edge_m, kSmallest_m / 9.0);
 }
 
@@ -63,14 +64,14 @@ TEST(CoherentMatches, APatchMostOfWhichIsRepeatedIsRepeatedAsAWhole) {
     const cv::Rect rows(50, 20, 30, repeated_rows);
     best(rows).copyTo(repeated(rows));
     best(rows).setTo(kNaN);
-    CoherentMatches(kGeometry, kSmallest_m, 2).keep(best, repeated);
+    CoherentMatches(kSmallGeometry, kSmallest_m, 2).keep(best, repeated);
     EXPECT_EQ(matches(best), repeated_rows > 50 ? 0 : 30 * (100 - repeated_rows));
     EXPECT_EQ(matches(repeated), 30 * (repeated_rows > 50 ? 100 : repeated_rows));
   }
 }
 
 TEST(CoherentMatches, AnIslandOnASurfaceGoesTheSurfaceStays) {
-  cv::Mat disparity(kGeometry.size(), CV_32FC1, cv::Scalar(5.0));
+  cv::Mat disparity(kSmallGeometry.size(), CV_32FC1, cv::Scalar(5.0));
   disparity(cv::Rect(100, 100, 4, 4)).setTo(30.0);
   EXPECT_EQ(kept(disparity), disparity.rows * disparity.cols - 16);
 }
@@ -124,14 +125,14 @@ cv::Mat flooded(const cv::Mat& disparity_px) {
 TEST(CoherentMatches, RandomImagesAreAsFloodingSays) {
   std::mt19937 random(4);
   for (int trial = 0; trial < 8; ++trial) {
-    cv::Mat disparity_px(kGeometry.size(), CV_32FC1);
+    cv::Mat disparity_px(kSmallGeometry.size(), CV_32FC1);
     std::uniform_real_distribution<float> level(2.0f, 2.0f + static_cast<float>(trial)), unit(0.0f, 1.0f);
     for (auto pixel = disparity_px.begin<float>(); pixel != disparity_px.end<float>(); ++pixel) {
       *pixel = unit(random) < 0.3f ? NAN : level(random);
     }
     const cv::Mat expected = flooded(disparity_px);
     cv::Mat repeated_px = nothing();
-    CoherentMatches(kGeometry, kSmallest_m, 2).keep(disparity_px, repeated_px);
+    CoherentMatches(kSmallGeometry, kSmallest_m, 2).keep(disparity_px, repeated_px);
     EXPECT_EQ(cv::countNonZero((disparity_px > 0.0) != (expected > 0.0)), 0) << trial;
   }
 }

@@ -9,12 +9,16 @@
 #include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
 #include "ros/stereo_subscriber.hpp"
+#include "support/contains.hpp"
+#include "support/header.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
 using flight_corridor::CorridorState;
 using flight_corridor::StereoGeometry;
+using flight_corridor::test_support::contains;
+using test_support::header;
 
 sensor_msgs::CameraInfo info(double fx, double cx, double p3) {
   sensor_msgs::CameraInfo message;
@@ -22,13 +26,6 @@ sensor_msgs::CameraInfo info(double fx, double cx, double p3) {
   message.height = 480;
   message.P = {fx, 0, cx, p3, 0, 350, 240, 0, 0, 0, 1, 0};
   return message;
-}
-
-std_msgs::Header header(const std::string& frame) {
-  std_msgs::Header header;
-  header.frame_id = frame;
-  header.stamp = ros::Time(12, 500000000);
-  return header;
 }
 
 StereoGeometry geometry() { return StereoGeometry({{640, 480}, 350, 350, 320, 240, 326, 0.12}); }
@@ -45,8 +42,6 @@ std::string complaintAbout(const sensor_msgs::CameraInfo& left, const sensor_msg
   }
   return "";
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // --- CameraInfo
 

@@ -8,11 +8,11 @@
 namespace flight_corridor {
 namespace {
 
+using test_support::kEverywhere;
 using test_support::keyOf;
 using test_support::kResolution_m;
 using test_support::randomTree;
 
-const ConvexRegion kEverywhere;
 const Eigen::Vector3d kCamera(0, 0, 0);
 
 TEST(Corridor, CellsCentredOnTheBoxesFacesCount) {

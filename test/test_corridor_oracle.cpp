@@ -12,12 +12,11 @@
 namespace flight_corridor {
 namespace {
 
+using test_support::kEverywhere;
 using test_support::keyOf;
 using test_support::kResolution_m;
 using test_support::randomPose;
 using test_support::randomTree;
-
-const ConvexRegion kEverywhere;
 
 /// Fills a cube of the octree, which prunes it to one leaf.
 void fillCube(octomap::OcTree& tree, const octomap::OcTreeKey& low, int edge_cells, float log_odds) {

@@ -6,18 +6,16 @@
 #include <cmath>
 
 #include "ros/costmap_clouds.hpp"
+#include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
 using flight_corridor::MapConfig;
+using flight_corridor::test_support::kVgaGeometry;
 using flight_corridor::test_support::wallDepth;
 using Points = pcl::PointCloud<pcl::PointXYZ>;
-
-flight_corridor::StereoGeometry geometry() {
-  return flight_corridor::StereoGeometry({{640, 480}, 350, 350, 319.5, 239.5, 319.5, 0.12});
-}
 
 Points read(const sensor_msgs::PointCloud2& message) {
   Points points;
@@ -26,7 +24,7 @@ Points read(const sensor_msgs::PointCloud2& message) {
   return points;
 }
 
-Points clearing(const cv::Mat& depth_m) { return read(toClearing({}, depth_m, geometry(), MapConfig())); }
+Points clearing(const cv::Mat& depth_m) { return read(toClearing({}, depth_m, kVgaGeometry, MapConfig())); }
 
 TEST(ToObstacles, AreTheOccupiedCellsInTheCamerasFrame) {
   octomap::OcTree tree(0.1);

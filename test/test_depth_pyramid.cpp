@@ -11,9 +11,10 @@
 namespace flight_corridor {
 namespace {
 
+using test_support::kSmallGeometry;
+
 constexpr int kTile_px = DepthPyramid::kTile_px;
 constexpr double kBand_px = 0.5, kRayFraction = 0.7;
-const StereoGeometry kGeometry(test_support::smallCalibration());
 
 struct Expected {
   float nearest_m = INFINITY, farthest_m = 0.0f;
@@ -33,7 +34,7 @@ Expected loopOver(const cv::Mat& depth_m, const DepthPyramid::Tiles& tiles) {
         for (int u = area.x; u < area.br().x; ++u) {
           const float surface_m = depth_m.at<float>(v, u);
           if (std::isnan(surface_m)) continue;
-          nearest_m = std::min(nearest_m, kGeometry.shiftedDepth(surface_m, kBand_px));
+          nearest_m = std::min(nearest_m, kSmallGeometry.shiftedDepth(surface_m, kBand_px));
           ++rays;
         }
       }
@@ -59,7 +60,7 @@ TEST(DepthPyramid, AgreesWithALoopOverThePixelsOfAnyRectangleAloneOrAmongEight) 
   for (const cv::Size size : {cv::Size(64, 48), cv::Size(61, 47), cv::Size(4, 4), cv::Size(3, 90)}) {
     const cv::Mat depth_m = randomDepth(size, random);
     DepthPyramid pyramid;
-    pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
+    pyramid.build(depth_m, kSmallGeometry, kBand_px, kRayFraction);
     const int columns = (size.width + kTile_px - 1) / kTile_px, rows = (size.height + kTile_px - 1) / kTile_px;
     for (int trial = 0; trial < 100; ++trial) {
       DepthPyramid::EightTiles tiles;
@@ -88,7 +89,7 @@ TEST(DepthPyramid, NoRectangleOfAsManyTilesIsFreeBeyondTheFarthest) {
   std::mt19937 random(12);
   const cv::Mat depth_m = randomDepth({64, 48}, random);
   DepthPyramid pyramid;
-  pyramid.build(depth_m, kGeometry, kBand_px, kRayFraction);
+  pyramid.build(depth_m, kSmallGeometry, kBand_px, kRayFraction);
   int below_the_most_of_single_tiles = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const int left = random() % 15, top = random() % 11;

@@ -9,15 +9,15 @@
 
 #include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "support/calibrations.hpp"
+#include "support/corridor_box.hpp"
 #include "support/wall_scene.hpp"
 
 namespace flight_corridor {
 namespace {
 
+using test_support::kSmallest_m;
 using test_support::smallCalibration;
 using test_support::wallFrame;
-
-constexpr double kSmallest_m = 0.05;
 
 /// Share of pixels whose disparity lies within a quarter of a pixel of what it should be.
 double shareRight(const cv::Mat& disparity_px, double expected_px) {

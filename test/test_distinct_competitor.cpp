@@ -8,12 +8,12 @@ namespace {
 
 using namespace matcher_cases;
 
-constexpr MatcherSize kSize{200, 3, 0, 96};
+constexpr MatcherSize kRow{200, 3, 0, 96};
 constexpr int kMiddle_u = 150, kWinner = 30;
 
 /// Cost by disparity, of all pixels alike.
 struct Curve {
-  explicit Curve(int cost) : costs(kSize.num_disparities, cost) {}
+  explicit Curve(int cost) : costs(kRow.num_disparities, cost) {}
   std::vector<int> costs;
 };
 
@@ -22,17 +22,17 @@ struct Found {
 };
 
 Found find(const Curve& curve, int u = kMiddle_u) {
-  const int stored = storedDisparities(kSize.num_disparities);
-  AlignedBytes row(static_cast<std::size_t>(kSize.width_px) * stored);
-  for (int u = 0; u < kSize.width_px; ++u) {
+  const int stored = storedDisparities(kRow.num_disparities);
+  AlignedBytes row(static_cast<std::size_t>(kRow.width_px) * stored);
+  for (int u = 0; u < kRow.width_px; ++u) {
     for (int d = 0; d < stored; ++d) {
       row.data()[u * stored + d] =
-          d < kSize.num_disparities ? static_cast<std::uint8_t>(curve.costs[d]) : kNoDisparityCost;
+          d < kRow.num_disparities ? static_cast<std::uint8_t>(curve.costs[d]) : kNoDisparityCost;
     }
   }
-  const std::vector<std::uint8_t> winner(kSize.width_px, kWinner);
-  std::vector<std::uint8_t> farthest(kSize.width_px), nearest(kSize.width_px), flags(kSize.width_px);
-  DistinctCompetitor(kSize.width_px, kSize.min_disparity_px, kSize.num_disparities)
+  const std::vector<std::uint8_t> winner(kRow.width_px, kWinner);
+  std::vector<std::uint8_t> farthest(kRow.width_px), nearest(kRow.width_px), flags(kRow.width_px);
+  DistinctCompetitor(kRow.width_px, kRow.min_disparity_px, kRow.num_disparities)
       .find({row.data(), row.data(), row.data()}, winner.data(), {farthest.data(), nearest.data(), flags.data()});
   return {flags[u], farthest[u], nearest[u]};
 }
@@ -69,10 +69,10 @@ TEST(DistinctCompetitor, IsNotTheSameValleyWithoutABarrier) {
 }
 
 TEST(DistinctCompetitor, DistinguishesAWinnerFromHalfOfTheDisparities) {
-  for (const int alike : {kSize.num_disparities / 2, kSize.num_disparities / 2 + 1}) {
+  for (const int alike : {kRow.num_disparities / 2, kRow.num_disparities / 2 + 1}) {
     Curve curve(4);  // 2 bits above
     for (int d = 0; d < alike; ++d) curve.costs[d] = 2;
-    EXPECT_EQ(find(curve).flags, alike <= kSize.num_disparities / 2 ? kDistinct : 0) << alike;
+    EXPECT_EQ(find(curve).flags, alike <= kRow.num_disparities / 2 ? kDistinct : 0) << alike;
   }
 }
 

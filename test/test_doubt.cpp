@@ -8,34 +8,37 @@
 #include "flight_corridor/stereo/cost_minima.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
 #include "support/calibrations.hpp"
+#include "support/corridor_box.hpp"
 
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::smallCalibration());  // f*B = 21 px m
-const Box kCorridor{opticalFromForward(), {4.0, 1.2, 0.4}};
-constexpr double kSmallest_m = 0.05, kBlind_m = 0.4;
+using test_support::kBlind_m;
+using test_support::kCorridor;
+using test_support::kSmallest_m;
+using test_support::kSmallGeometry;
+
 constexpr float kWall_px = 3.0f;  // at 7 m
 constexpr int kInTheBox_px = 10;  // at 2.1 m
 const cv::Point kMiddle(160, 120);
 
 /// A wall behind the box of which everything is certain.
-DisparityEvidence wall() {
+DisparityEvidence certainWall() {
   DisparityEvidence evidence;
-  const auto map = [](float value) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(value)); };
+  const auto map = [](float value) { return cv::Mat(kSmallGeometry.size(), CV_32FC1, cv::Scalar(value)); };
   evidence.best_px = map(kWall_px);
   evidence.repeated_px = map(NAN);
   evidence.farthest_px = map(kWall_px - 1.0f);
   evidence.nearest_px = map(kWall_px + 1.0f);
   evidence.competitor_farthest_px = map(NAN);
   evidence.competitor_nearest_px = map(NAN);
-  evidence.flags = cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(kConsistent | kDistinct));
-  evidence.set = cv::Mat::zeros(kGeometry.size(), CV_8UC(16));
+  evidence.flags = cv::Mat(kSmallGeometry.size(), CV_8UC1, cv::Scalar(kConsistent | kDistinct));
+  evidence.set = cv::Mat::zeros(kSmallGeometry.size(), CV_8UC(16));
   return evidence;
 }
 
 /// Where a set has a disparity.
-int placeOf(int disparity_px) { return disparity_px - static_cast<int>(firstDisparity(kGeometry)); }
+int placeOf(int disparity_px) { return disparity_px - static_cast<int>(firstDisparity(kSmallGeometry)); }
 
 /// Pixels whose set holds another disparity, too.
 void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evidence) {
@@ -49,38 +52,38 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
 }
 
 bool isIn(const DisparityEvidence& evidence, bool is_lidar_valid = false, const Box& box = kCorridor) {
-  BoxView view(kGeometry);
+  BoxView view(kSmallGeometry);
   view.look(box, kBlind_m);
-  return Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid);
+  return Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
 cv::Rect smallest() {
-  const double edge_px = kSmallest_m * kGeometry.calibration().fx_px / kGeometry.depth(kInTheBox_px);
+  const double edge_px = kSmallest_m * kSmallGeometry.calibration().fx_px / kSmallGeometry.depth(kInTheBox_px);
   return {kMiddle, cv::Size(static_cast<int>(std::ceil(edge_px * edge_px)), 1)};
 }
 
-TEST(Doubt, ACertainWallLeavesNone) { EXPECT_FALSE(isIn(wall())); }
+TEST(Doubt, ACertainWallLeavesNone) { EXPECT_FALSE(isIn(certainWall())); }
 
 TEST(Doubt, APatchThatFitsInTheBoxAsWellIsDoubtASmallerOneIsNot) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   cv::Rect patch = smallest();
   addToSet(patch, kInTheBox_px, evidence);
   EXPECT_TRUE(isIn(evidence));
-  evidence = wall();
+  evidence = certainWall();
   patch.width -= 1;
   addToSet(patch, kInTheBox_px, evidence);
   EXPECT_FALSE(isIn(evidence));
 }
 
 TEST(Doubt, PixelsOfDifferentDisparitiesOrApartAreNoPatch) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   const cv::Rect patch = smallest();
   for (int i = 0; i < patch.area(); ++i) {
     addToSet({patch.tl() + cv::Point(i, 0), cv::Size(1, 1)}, kInTheBox_px + i % 4, evidence);
   }
   EXPECT_FALSE(isIn(evidence)) << "a disparity of its own";
-  evidence = wall();
+  evidence = certainWall();
   for (int i = 0; i < patch.area(); ++i) {
     addToSet({patch.tl() + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px, evidence);
   }
@@ -99,17 +102,17 @@ void repeat(const cv::Rect& pixels, float farthest_px, DisparityEvidence& eviden
 
 TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
   for (const bool is_lidar_valid : {false, true}) {
-    DisparityEvidence evidence = wall();
+    DisparityEvidence evidence = certainWall();
     repeat(smallest(), 4.0f, evidence);
     EXPECT_TRUE(isIn(evidence, is_lidar_valid));
-    evidence = wall();
+    evidence = certainWall();
     repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4.0f, evidence);
     EXPECT_FALSE(isIn(evidence, is_lidar_valid)) << "a smaller patch, which may be behind";
   }
 }
 
 TEST(Doubt, RepeatedMatchesAllOfWhosePlacesAreInTheBoxNeedNotTouch) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   for (int i = 0; i < smallest().area(); ++i) {
     repeat({kMiddle + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px - 1.0f, evidence);
   }
@@ -117,7 +120,7 @@ TEST(Doubt, RepeatedMatchesAllOfWhosePlacesAreInTheBoxNeedNotTouch) {
 }
 
 TEST(Doubt, ASlantedLineIsAPatch) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   for (int i = 0; i < smallest().area(); ++i) {
     addToSet({kMiddle + cv::Point(i, i / 3), cv::Size(1, 1)}, kInTheBox_px, evidence);
   }
@@ -125,7 +128,7 @@ TEST(Doubt, ASlantedLineIsAPatch) {
 }
 
 TEST(Doubt, WhatFitsBesideOrBehindTheBoxIsNone) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   addToSet({10, 10, 30, 30}, kInTheBox_px, evidence);
   addToSet({kMiddle, cv::Size(30, 30)}, 5, evidence);  // at 4.2 m
   EXPECT_FALSE(isIn(evidence));
@@ -133,7 +136,7 @@ TEST(Doubt, WhatFitsBesideOrBehindTheBoxIsNone) {
 
 TEST(Doubt, WhatIsMatchedInTheBoxOrNotAtAllIsNone) {
   for (const float best_px : {7.0f, static_cast<float>(NAN)}) {
-    DisparityEvidence evidence = wall();
+    DisparityEvidence evidence = certainWall();
     addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
     evidence.best_px.setTo(best_px);
     EXPECT_FALSE(isIn(evidence)) << best_px;
@@ -141,7 +144,7 @@ TEST(Doubt, WhatIsMatchedInTheBoxOrNotAtAllIsNone) {
 }
 
 TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   const cv::Rect patch = smallest();
   evidence.competitor_nearest_px(patch).setTo(kInTheBox_px);
   evidence.competitor_farthest_px(patch).setTo(kInTheBox_px);
@@ -152,7 +155,7 @@ TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
 }
 
 TEST(Doubt, OfCompetitorsOnBothSidesOfTheBoxOneMayBeInIt) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   const cv::Rect patch(kMiddle, cv::Size(20, 8));
   evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
   evidence.competitor_farthest_px(patch).setTo(1.0);
@@ -166,29 +169,29 @@ TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
   ScaleCorrection correction((ScaleConfig()));
   for (int i = 0; i < 200; ++i) correction.update(0.1 * i, 6.0, 5.4, 0.05, 0.0);
   ASSERT_LT(correction.correct(5.6), 5.2);
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   evidence.best_px.setTo(5.6);  // uncorrected it would be in the box, which ends at 5.25 px
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  BoxView view(kGeometry);
+  BoxView view(kSmallGeometry);
   view.look(kCorridor, kBlind_m);
-  EXPECT_TRUE(Doubt(kGeometry, kSmallest_m).isIn(view, evidence, correction, false));
+  EXPECT_TRUE(Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, correction, false));
   EXPECT_FALSE(isIn(evidence));
 }
 
 TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  BoxView view(kGeometry);
+  BoxView view(kSmallGeometry);
   view.look(kCorridor, 0.0);
-  EXPECT_TRUE(Doubt(kGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
+  EXPECT_TRUE(Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
-  DisparityEvidence evidence = wall();
+  DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
-  BoxView view(kGeometry);
+  BoxView view(kSmallGeometry);
   view.look(kCorridor, kBlind_m);
-  Doubt doubt(kGeometry, kSmallest_m);
+  Doubt doubt(kSmallGeometry, kSmallest_m);
   doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);

@@ -8,10 +8,10 @@
 namespace flight_corridor {
 namespace {
 
-const cv::Size kSize(200, 120);
+const cv::Size kImage(200, 120);
 
 TEST(Fill, KeepsMatchesAndBridgesGaps) {
-  cv::Mat left(kSize, CV_8UC1, cv::Scalar(100)), matched(kSize, CV_32FC1, cv::Scalar(10.0)), filled;
+  cv::Mat left(kImage, CV_8UC1, cv::Scalar(100)), matched(kImage, CV_32FC1, cv::Scalar(10.0)), filled;
   matched(cv::Rect(80, 50, 12, 12)).setTo(NAN);
   fillDisparity(left, matched, filled);
   EXPECT_NEAR(filled.at<float>(56, 86), 10.0, 0.05);
@@ -19,7 +19,7 @@ TEST(Fill, KeepsMatchesAndBridgesGaps) {
 }
 
 TEST(Fill, StopsAtTheImagesEdges) {
-  cv::Mat left(kSize, CV_8UC1, cv::Scalar(40)), matched(kSize, CV_32FC1, cv::Scalar(5.0)), filled;
+  cv::Mat left(kImage, CV_8UC1, cv::Scalar(40)), matched(kImage, CV_32FC1, cv::Scalar(5.0)), filled;
   left.colRange(100, 200).setTo(200);
   matched.colRange(100, 200).setTo(20.0);
   matched.colRange(92, 108).setTo(NAN);
@@ -29,7 +29,7 @@ TEST(Fill, StopsAtTheImagesEdges) {
 }
 
 TEST(Fill, InventsNothingFarFromMatches) {
-  cv::Mat left(kSize, CV_8UC1, cv::Scalar(100)), matched(kSize, CV_32FC1, cv::Scalar(NAN)), filled;
+  cv::Mat left(kImage, CV_8UC1, cv::Scalar(100)), matched(kImage, CV_32FC1, cv::Scalar(NAN)), filled;
   fillDisparity(left, matched, filled);
   EXPECT_EQ(cv::countNonZero(filled == filled), 0);
 }

@@ -12,10 +12,10 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::smallCalibration());
+using test_support::kSmallGeometry;
 
 /// Cells of the free cubes, and where the nearest begins and the farthest ends along z of C.
-struct Found {
+struct Extent {
   double cells = 0.0, nearest_m = kInfinity, farthest_m = 0.0;
 };
 
@@ -25,10 +25,10 @@ FreeSpace::FreeCubes joined(const std::vector<FreeSpace::FreeCubes>& lists) {
   return all;
 }
 
-Found findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
+Extent findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
   const MapConfig config;
-  FreeSpace free_space(config, kGeometry, nearest_m);
-  Found found;
+  FreeSpace free_space(config, kSmallGeometry, nearest_m);
+  Extent found;
   for (const FreeSpace::FreeChildren& cube : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
     EXPECT_TRUE(cube.children != 0xFFu || cube.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
     for (unsigned i = 0; i < 8; ++i) {
@@ -45,17 +45,17 @@ Found findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
 }
 
 TEST(FreeSpace, ReachesUpToTheBandBeforeAWall) {
-  const Found found = findBefore(test_support::wallDepth(kGeometry.size(), 4.0));
-  const double end_m = kGeometry.shiftedDepth(4.0, MapConfig().free_band_px);
+  const Extent found = findBefore(test_support::wallDepth(kSmallGeometry.size(), 4.0));
+  const double end_m = kSmallGeometry.shiftedDepth(4.0, MapConfig().free_band_px);
   EXPECT_LE(found.farthest_m, end_m + 1e-6);
   EXPECT_GT(found.farthest_m, end_m - MapConfig().resolution_m - 1e-6);
 }
 
 TEST(FreeSpace, BeginsWhereASurfaceWouldHaveBeenSeen) {
-  const cv::Mat wall_m = test_support::wallDepth(kGeometry.size(), 4.0);
-  const Found all = findBefore(wall_m);
+  const cv::Mat wall_m = test_support::wallDepth(kSmallGeometry.size(), 4.0);
+  const Extent all = findBefore(wall_m);
   for (const double nearest_m : {0.33, 1.0, 1.47, 3.05}) {
-    const Found found = findBefore(wall_m, nearest_m);
+    const Extent found = findBefore(wall_m, nearest_m);
     EXPECT_GE(found.nearest_m, nearest_m - 1e-6);
     EXPECT_LT(found.nearest_m, nearest_m + MapConfig().resolution_m + 1e-6);
     EXPECT_EQ(found.farthest_m, all.farthest_m);
@@ -64,8 +64,8 @@ TEST(FreeSpace, BeginsWhereASurfaceWouldHaveBeenSeen) {
 }
 
 TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
-  const Found found = findBefore(test_support::wallDepth(kGeometry.size(), 4.0));
-  const StereoCalibration& camera = kGeometry.calibration();
+  const Extent found = findBefore(test_support::wallDepth(kSmallGeometry.size(), 4.0));
+  const StereoCalibration& camera = kSmallGeometry.calibration();
   const double view_m3 = camera.size_px.area() / (camera.fx_px * camera.fy_px) * std::pow(found.farthest_m, 3) / 3.0;
   const double free_m3 = found.cells * std::pow(MapConfig().resolution_m, 3);
   EXPECT_LT(free_m3, view_m3);
@@ -73,11 +73,11 @@ TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
 }
 
 TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
-  const cv::Mat depth_m = test_support::wallDepth(kGeometry.size(), 4.0);
+  const cv::Mat depth_m = test_support::wallDepth(kSmallGeometry.size(), 4.0);
   const auto found_by = [&](int threads) {
     const int usual = cv::getNumThreads();
     cv::setNumThreads(threads);
-    FreeSpace free_space(MapConfig(), kGeometry, 0.0);
+    FreeSpace free_space(MapConfig(), kSmallGeometry, 0.0);
     const FreeSpace::FreeCubes cubes = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
     cv::setNumThreads(usual);
     return cubes;
@@ -93,14 +93,14 @@ TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(FreeSpace, FindsNothingOfTheImageBefore) {
-  FreeSpace free_space(MapConfig(), kGeometry, 0.0);
+  FreeSpace free_space(MapConfig(), kSmallGeometry, 0.0);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-  EXPECT_GT(joined(free_space.find(test_support::wallDepth(kGeometry.size(), 4.0), here)).size(), 0u);
-  EXPECT_EQ(joined(free_space.find(test_support::wallDepth(kGeometry.size(), kNaN), here)).size(), 0u);
+  EXPECT_GT(joined(free_space.find(test_support::wallDepth(kSmallGeometry.size(), 4.0), here)).size(), 0u);
+  EXPECT_EQ(joined(free_space.find(test_support::wallDepth(kSmallGeometry.size(), kNaN), here)).size(), 0u);
 }
 
 TEST(FreeSpace, IsNoneWithoutRays) {
-  EXPECT_EQ(findBefore(test_support::wallDepth(kGeometry.size(), kNaN)).cells, 0.0);
+  EXPECT_EQ(findBefore(test_support::wallDepth(kSmallGeometry.size(), kNaN)).cells, 0.0);
 }
 
 }  // namespace

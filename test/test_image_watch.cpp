@@ -8,15 +8,15 @@ namespace flight_corridor {
 namespace {
 
 using namespace test_support;
-const StereoGeometry kGeometry(smallCalibration());
 
 TEST(ImageWatch, FindsNothingWrongWithACamera) {
   ImageWatch watch;
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(watch.faults(wallFrame(kGeometry, 3, 1.0 + 0.1 * i)), 0u) << "frame " << i;
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(watch.faults(wallFrame(kSmallGeometry, 3, 1.0 + 0.1 * i)), 0u) << "frame " << i;
 }
 
 TEST(ImageWatch, NoticesOneImageOnBothSides) {
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0);
   frame.right = frame.left.clone();
   EXPECT_EQ(ImageWatch().faults(frame), kBadImage);
   frame.right.at<std::uint8_t>(0, 0) ^= 1;
@@ -25,9 +25,9 @@ TEST(ImageWatch, NoticesOneImageOnBothSides) {
 
 TEST(ImageWatch, NoticesOneFrozenCamera) {
   ImageWatch watch;
-  const StereoFrame first = wallFrame(kGeometry, 3, 1.0);
+  const StereoFrame first = wallFrame(kSmallGeometry, 3, 1.0);
   watch.faults(first);
-  StereoFrame next = wallFrame(kGeometry, 3, 1.1);
+  StereoFrame next = wallFrame(kSmallGeometry, 3, 1.1);
   next.right = first.right;
   EXPECT_EQ(watch.faults(next), kFrozenImage);
 }
@@ -36,7 +36,7 @@ TEST(ImageWatch, NoticesADriverThatRepeatsItsBuffers) {
   for (const int count : {1, 2, 4, 8}) {
     ImageWatch watch;
     for (int i = 0; i < 2 * count; ++i) {
-      StereoFrame frame = wallFrame(kGeometry, 3, 1.0 + 0.1 * (i % count));
+      StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0 + 0.1 * (i % count));
       frame.stamp_s = 1.0 + 0.1 * i;
       EXPECT_EQ(watch.faults(frame), i < count ? 0u : kFrozenImage) << "frame " << i << " of " << count << " buffers";
     }
@@ -45,7 +45,7 @@ TEST(ImageWatch, NoticesADriverThatRepeatsItsBuffers) {
 
 TEST(ImageWatch, APairThatIsGivenTwiceIsNotFrozen) {
   ImageWatch watch;
-  const StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  const StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0);
   watch.faults(frame);
   EXPECT_EQ(watch.faults(frame), 0u);
 }

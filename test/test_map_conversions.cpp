@@ -6,16 +6,12 @@
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
 #include "ros/map_conversions.hpp"
+#include "support/header.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
-std_msgs::Header header(const std::string& frame) {
-  std_msgs::Header header;
-  header.frame_id = frame;
-  header.stamp = ros::Time(12, 500000000);
-  return header;
-}
+using test_support::header;
 
 octomap_msgs::BoundingBoxQueryRequest boxRequest(double min, double max) {
   octomap_msgs::BoundingBoxQueryRequest request;

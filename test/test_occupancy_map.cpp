@@ -5,22 +5,16 @@
 
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "support/calibrations.hpp"
+#include "support/ray_oracle.hpp"
 #include "support/wall_scene.hpp"
 
 namespace flight_corridor {
 namespace {
 
+using test_support::Cell;
+using test_support::kSmallGeometry;
 using test_support::wallDepth;
-const StereoGeometry kGeometry(test_support::smallCalibration());
-
-/// Depths as they are, for what is exact.
-MapConfig withoutHitBand() {
-  MapConfig config;
-  config.hit_band_px = 0.0;
-  return config;
-}
-
-enum class Cell { Unknown, Free, Occupied };
+using test_support::withoutHitBand;
 
 Cell cellAt(const OccupancyMap& map, const Eigen::Vector3d& p_M) {
   const octomap::OcTreeNode* node = map.tree().search(p_M.x(), p_M.y(), p_M.z());
@@ -29,17 +23,17 @@ Cell cellAt(const OccupancyMap& map, const Eigen::Vector3d& p_M) {
 }
 
 TEST(OccupancyMap, SurfacesAreTakenToBeNearerByTheHitBand) {
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
   const double depth_m = 4.02;
-  ASSERT_LT(kGeometry.shiftedDepth(depth_m, MapConfig().hit_band_px), 4.0);
-  map.insert(wallDepth(kGeometry.size(), depth_m), Eigen::Isometry3d::Identity());
+  ASSERT_LT(kSmallGeometry.shiftedDepth(depth_m, MapConfig().hit_band_px), 4.0);
+  map.insert(wallDepth(kSmallGeometry.size(), depth_m), Eigen::Isometry3d::Identity());
   EXPECT_EQ(cellAt(map, {0.0, 0.3, 3.95}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {0.0, 0.3, depth_m}), Cell::Unknown);
 }
 
 TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
-  OccupancyMap map(withoutHitBand(), kGeometry);
-  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
+  OccupancyMap map(withoutHitBand(), kSmallGeometry);
+  map.insert(wallDepth(kSmallGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
   for (const double x : {-2.0, 0.0, 1.5}) {
     EXPECT_EQ(cellAt(map, {x, 0.3, 4.05}), Cell::Occupied) << x;
     EXPECT_EQ(cellAt(map, {x, 0.3, 3.2}), Cell::Free) << x;
@@ -50,47 +44,47 @@ TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
 }
 
 TEST(OccupancyMap, WhatDoesNotClearHitsAlone) {
-  OccupancyMap map(withoutHitBand(), kGeometry);
-  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity(), false);
+  OccupancyMap map(withoutHitBand(), kSmallGeometry);
+  map.insert(wallDepth(kSmallGeometry.size(), 4.05), Eigen::Isometry3d::Identity(), false);
   EXPECT_EQ(cellAt(map, {0.0, 0.3, 4.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {0.0, 0.3, 3.2}), Cell::Unknown);
 }
 
 TEST(OccupancyMap, PixelsWithoutDepthCastNoRay) {
-  cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+  cv::Mat depth = wallDepth(kSmallGeometry.size(), 6.0);
   depth.colRange(160, 320).setTo(kNaN);
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
   map.insert(depth, Eigen::Isometry3d::Identity());
   EXPECT_EQ(cellAt(map, {-1.0, 0.0, 3.0}), Cell::Free);
   EXPECT_EQ(cellAt(map, {1.0, 0.0, 3.0}), Cell::Unknown);
 }
 
 TEST(OccupancyMap, AThinPoleIsThereBesideFreeSpace) {
-  cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+  cv::Mat depth = wallDepth(kSmallGeometry.size(), 6.0);
   depth(cv::Rect(159, 0, 3, 240)).setTo(3.05);  // 5 cm
-  OccupancyMap map(withoutHitBand(), kGeometry);
+  OccupancyMap map(withoutHitBand(), kSmallGeometry);
   map.insert(depth, Eigen::Isometry3d::Identity());
   EXPECT_EQ(cellAt(map, {0.02, 0.05, 3.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {1.05, 0.05, 3.05}), Cell::Free);
 }
 
 TEST(OccupancyMap, ASpeckleIsNoHitWhereAFaceWouldShowManyPoints) {
-  cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+  cv::Mat depth = wallDepth(kSmallGeometry.size(), 6.0);
   depth(cv::Rect(160, 120, 8, 8)).setTo(0.45);  // a full face there shows 39 x 39 pixels
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
   map.insert(depth, Eigen::Isometry3d::Identity());
-  EXPECT_NE(cellAt(map, kGeometry.point(164, 124, 0.45)), Cell::Occupied);
+  EXPECT_NE(cellAt(map, kSmallGeometry.point(164, 124, 0.45)), Cell::Occupied);
 }
 
 TEST(OccupancyMap, PointsThatMakeNoHitAreAnOutlineTooFewAreMistakes) {
-  const double cell_px = 0.1 * kGeometry.calibration().fx_px;  // at 1 m
+  const double cell_px = 0.1 * kSmallGeometry.calibration().fx_px;  // at 1 m
   const Box ahead{opticalFromForward(), {2.0, 1.2, 0.4}}, before_it{opticalFromForward(), {0.8, 1.2, 0.4}};
   const auto shows = [&](int width_px, const Box& box) {
-    cv::Mat depth = wallDepth(kGeometry.size(), 6.0);
+    cv::Mat depth = wallDepth(kSmallGeometry.size(), 6.0);
     depth(cv::Rect(160, 110, width_px, static_cast<int>(3.0 * cell_px))).setTo(1.0);
-    OccupancyMap map(MapConfig(), kGeometry);
+    OccupancyMap map(MapConfig(), kSmallGeometry);
     map.insert(depth, Eigen::Isometry3d::Identity());
-    EXPECT_NE(cellAt(map, kGeometry.point(161, 112, 0.99)), Cell::Occupied);
+    EXPECT_NE(cellAt(map, kSmallGeometry.point(161, 112, 0.99)), Cell::Occupied);
     return map.showsOutline(box);
   };
   EXPECT_TRUE(shows(2, ahead));
@@ -101,12 +95,12 @@ TEST(OccupancyMap, PointsThatMakeNoHitAreAnOutlineTooFewAreMistakes) {
 /// Tilted planes and balls at random places, seen along their pixels.
 cv::Mat randomDepth(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  cv::Mat depth = wallDepth(kGeometry.size(), 5.0 + unit(random));
+  cv::Mat depth = wallDepth(kSmallGeometry.size(), 5.0 + unit(random));
   const Eigen::Vector3d slope(0.3 * unit(random), 0.3 * unit(random), 1.0);
   const Eigen::Vector3d ball(unit(random), 0.7 * unit(random), 2.5 + unit(random));
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
-      const Eigen::Vector3d ray = kGeometry.point(u, v, 1.0);
+      const Eigen::Vector3d ray = kSmallGeometry.point(u, v, 1.0);
       double z = 5.0 / slope.dot(ray);
       const double b = ray.dot(ball), c = ball.squaredNorm() - 0.25, square = ray.squaredNorm();
       if (b * b > square * c) z = std::min(z, (b - std::sqrt(b * b - square * c)) / square);
@@ -119,24 +113,24 @@ cv::Mat randomDepth(std::mt19937& random) {
 TEST(OccupancyMap, AVanishedObstacleIsFreedAndANewOneSeenAtOnce) {
   MapConfig config = withoutHitBand();
   config.frame_id = "odom";
-  OccupancyMap map(config, kGeometry);
+  OccupancyMap map(config, kSmallGeometry);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   const Eigen::Vector3d place(0.05, 0.05, 3.05);
-  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kGeometry.size(), 6.0), here);
+  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kSmallGeometry.size(), 6.0), here);
   EXPECT_EQ(cellAt(map, place), Cell::Free);
-  map.insert(wallDepth(kGeometry.size(), 3.05), here);
+  map.insert(wallDepth(kSmallGeometry.size(), 3.05), here);
   EXPECT_EQ(cellAt(map, place), Cell::Occupied);
-  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kGeometry.size(), 3.05), here);
+  for (int i = 0; i < 50; ++i) map.insert(wallDepth(kSmallGeometry.size(), 3.05), here);
   int frames = 0;
   while (cellAt(map, place) == Cell::Occupied && frames < 100) {
-    map.insert(wallDepth(kGeometry.size(), 6.0), here);
+    map.insert(wallDepth(kSmallGeometry.size(), 6.0), here);
     ++frames;
   }
   EXPECT_LE(frames, 15);  // half a second of 30 Hz
 }
 
 TEST(OccupancyMap, InnerNodesTellOfTheirChildren) {
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
   std::mt19937 random(4);
   for (int i = 0; i < 3; ++i) map.insert(randomDepth(random), Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0, 0)));
   octomap::OcTree rebuilt(map.tree());
@@ -147,7 +141,7 @@ TEST(OccupancyMap, InnerNodesTellOfTheirChildren) {
 }
 
 TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
-  OccupancyMap map(MapConfig(), kGeometry);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
   map.insertBeam({0.05, 0.05, 0.05}, {0.05, 0.05, 3.05});
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.55}), Cell::Free);
@@ -162,9 +156,9 @@ MapConfig inFixedFrame() {
 }
 
 TEST(OccupancyMap, TheWindowMovesWithTheCamera) {
-  OccupancyMap map(inFixedFrame(), kGeometry);
+  OccupancyMap map(inFixedFrame(), kSmallGeometry);
   map.keepAround({0, 0, 0}, 0.0);
-  map.insert(wallDepth(kGeometry.size(), 3.95), Eigen::Isometry3d::Identity());
+  map.insert(wallDepth(kSmallGeometry.size(), 3.95), Eigen::Isometry3d::Identity());
   const Eigen::Vector3d wall(0.05, 0.3, 3.95);
   map.keepAround({0, 0, 11.0}, 1.0);
   EXPECT_EQ(cellAt(map, wall), Cell::Occupied) << "7 m behind";
@@ -174,8 +168,8 @@ TEST(OccupancyMap, TheWindowMovesWithTheCamera) {
 }
 
 TEST(OccupancyMap, WhatIsNotSeenForLongIsForgotten) {
-  OccupancyMap map(inFixedFrame(), kGeometry);
-  cv::Mat depth_m = wallDepth(kGeometry.size(), 3.95);
+  OccupancyMap map(inFixedFrame(), kSmallGeometry);
+  cv::Mat depth_m = wallDepth(kSmallGeometry.size(), 3.95);
   map.keepAround({0, 0, 0}, 0.0);
   map.insert(depth_m, Eigen::Isometry3d::Identity());
   depth_m.colRange(0, 160).setTo(kNaN);  // from now on the left half shows nothing
@@ -191,7 +185,7 @@ TEST(OccupancyMap, WhatIsNotSeenForLongIsForgotten) {
 }
 
 TEST(OccupancyMap, WhatIsSeenAfterClearingIsForgottenToo) {
-  OccupancyMap map(inFixedFrame(), kGeometry);
+  OccupancyMap map(inFixedFrame(), kSmallGeometry);
   map.keepAround({0, 0, 0}, 0.0);
   for (int i = 0; i < 2; ++i) {
     map.clear();
@@ -203,12 +197,12 @@ TEST(OccupancyMap, WhatIsSeenAfterClearingIsForgottenToo) {
 }
 
 TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {
-  OccupancyMap map(inFixedFrame(), kGeometry);
+  OccupancyMap map(inFixedFrame(), kSmallGeometry);
   std::size_t most = 0, most_later = 0;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Isometry3d T_M_C(Eigen::Translation3d(0.0, 0.0, 0.2 * i));
     map.keepAround(T_M_C.translation(), 0.1 * i);
-    map.insert(wallDepth(kGeometry.size(), 5.0), T_M_C);
+    map.insert(wallDepth(kSmallGeometry.size(), 5.0), T_M_C);
     std::size_t& peak = i < 150 ? most : most_later;
     peak = std::max(peak, map.tree().size());
   }
@@ -216,8 +210,8 @@ TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {
 }
 
 TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
-  OccupancyMap map(MapConfig(), kGeometry);
-  map.insert(wallDepth(kGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
+  OccupancyMap map(MapConfig(), kSmallGeometry);
+  map.insert(wallDepth(kSmallGeometry.size(), 4.05), Eigen::Isometry3d::Identity());
   const std::size_t all = map.tree().size();
   map.clear(Eigen::AlignedBox3d(Eigen::Vector3d::Constant(kNaN), Eigen::Vector3d::Constant(kNaN)));
   map.clear(Eigen::AlignedBox3d());
@@ -230,8 +224,8 @@ TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
 }
 
 TEST(OccupancyMap, WhatWasSeenInACellIsGivenByItsPoints) {
-  OccupancyMap map(withoutHitBand(), kGeometry);
-  map.insert(wallDepth(kGeometry.size(), 2.05), Eigen::Isometry3d::Identity());
+  OccupancyMap map(withoutHitBand(), kSmallGeometry);
+  map.insert(wallDepth(kSmallGeometry.size(), 2.05), Eigen::Isometry3d::Identity());
   ASSERT_FALSE(map.seen().empty());
   std::size_t whole = 0;
   for (const OccupancyMap::Seen& cell : map.seen()) {
@@ -241,8 +235,8 @@ TEST(OccupancyMap, WhatWasSeenInACellIsGivenByItsPoints) {
 }
 
 TEST(OccupancyMap, ClearForgetsEverything) {
-  OccupancyMap map(MapConfig(), kGeometry);
-  map.insert(wallDepth(kGeometry.size(), 3.0), Eigen::Isometry3d::Identity());
+  OccupancyMap map(MapConfig(), kSmallGeometry);
+  map.insert(wallDepth(kSmallGeometry.size(), 3.0), Eigen::Isometry3d::Identity());
   map.clear();
   EXPECT_EQ(map.tree().size(), 0u);
   EXPECT_EQ(cellAt(map, {0, 0, 2}), Cell::Unknown);

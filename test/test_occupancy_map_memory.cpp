@@ -10,9 +10,8 @@
 namespace flight_corridor {
 namespace {
 
+using test_support::kSmallGeometry;
 using test_support::wallDepth;
-
-const StereoGeometry kGeometry(test_support::smallCalibration());
 
 /// Of this process.
 double residentMemory_MB() {
@@ -26,8 +25,8 @@ TEST(OccupancyMap, InsertingLeavesNoMemoryBehindWhateverThreadsDo) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "it keeps what is freed";
 #endif
-  OccupancyMap map(MapConfig(), kGeometry);
-  const cv::Mat depth_m = wallDepth(kGeometry.size(), 3.0);
+  OccupancyMap map(MapConfig(), kSmallGeometry);
+  const cv::Mat depth_m = wallDepth(kSmallGeometry.size(), 3.0);
   const auto insert = [&](int times) {
     for (int i = 0; i < times; ++i) map.insert(depth_m, Eigen::Isometry3d::Identity());
   };

@@ -6,7 +6,7 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::vgaCalibration());
+using test_support::kVgaGeometry;
 
 Box boxAhead() {
   Box box;
@@ -20,8 +20,8 @@ cv::Vec3b pixelOfWindow(State state, double clear_distance_m, int u, int v) {
   verdict.state = state;
   verdict.clear_distance_m = clear_distance_m;
   cv::Mat out;
-  drawOverlay(cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(100)), kGeometry, boxAhead(), verdict, RangeEstimate(),
-              out);
+  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC1, cv::Scalar(100)), kVgaGeometry, boxAhead(), verdict,
+              RangeEstimate(), out);
   return out.at<cv::Vec3b>(v, u);
 }
 
@@ -68,8 +68,9 @@ TEST(Overlay, ABoxThatReachesBehindTheCameraIsDrawnWithoutHarm) {
   box.T_M_F.translation().z() = -3.0;
   Verdict verdict;
   cv::Mat out;
-  drawOverlay(cv::Mat(kGeometry.size(), CV_8UC3, cv::Scalar::all(9)), kGeometry, box, verdict, RangeEstimate(), out);
-  EXPECT_EQ(out.size(), kGeometry.size());
+  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC3, cv::Scalar::all(9)), kVgaGeometry, box, verdict, RangeEstimate(),
+              out);
+  EXPECT_EQ(out.size(), kVgaGeometry.size());
 }
 
 TEST(Overlay, TheLineOfVerdictsFillsFromTheLeft) {

@@ -6,12 +6,13 @@
 #include <sstream>
 
 #include "ros/params.hpp"
+#include "support/contains.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
-const std::string kSource = FLIGHT_CORRIDOR_SOURCE_DIR;
+using flight_corridor::test_support::contains;
 
 std::string complaintAbout(const Values& values) {
   try {
@@ -30,8 +31,6 @@ std::string complaintAboutFile(const std::string& path) {
   }
   return "";
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Names of the fields of every `struct <Section>Config {...}` in a header, as keys "section/field".
 std::set<std::string> fieldsIn(const std::string& header) {
@@ -53,12 +52,12 @@ std::set<std::string> fieldsIn(const std::string& header) {
 }
 
 TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
-  std::set<std::string> declared = fieldsIn(kSource + "/src/ros/params.hpp");
+  std::set<std::string> declared = fieldsIn(FLIGHT_CORRIDOR_SOURCE_DIR "/src/ros/params.hpp");
   for (const char* module : {"stereo/disparity_estimator", "range/beam_footprint", "range/range_fusion",
                              "range/scale_correction", "config", "map/map_config", "corridor/corridor"}) {
-    declared.merge(fieldsIn(kSource + "/include/flight_corridor/" + module + ".hpp"));
+    declared.merge(fieldsIn(std::string(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/") + module + ".hpp"));
   }
-  for (std::string key : fieldsIn(kSource + "/include/flight_corridor/stereo/opencv_matcher.hpp")) {
+  for (std::string key : fieldsIn(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/stereo/opencv_matcher.hpp")) {
     declared.insert(key.replace(0, std::string("opencv").size(), "stereo"));  // in the same section
   }
   declared.erase("stereo/opencv");
@@ -70,7 +69,7 @@ TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
 }
 
 TEST(Params, DefaultYamlHoldsEveryKeyWithItsDefault) {
-  const Values shipped = readYaml(kSource + "/config/default.yaml");
+  const Values shipped = readYaml(FLIGHT_CORRIDOR_SOURCE_DIR "/config/default.yaml");
   const Values defaults = toValues(NodeConfig());
   for (const auto& [key, value] : defaults) {
     ASSERT_TRUE(shipped.count(key)) << key;
@@ -80,7 +79,7 @@ TEST(Params, DefaultYamlHoldsEveryKeyWithItsDefault) {
 }
 
 TEST(Params, PaperYamlHoldsThePapersNumbers) {
-  const NodeConfig config = makeConfig(readYaml(kSource + "/config/paper.yaml"));
+  const NodeConfig config = makeConfig(readYaml(FLIGHT_CORRIDOR_SOURCE_DIR "/config/paper.yaml"));
   EXPECT_EQ(config.core.fusion.acceleration_sigma_mps2, 0.0);
   EXPECT_EQ(config.core.fusion.stereo_variance_m2, 0.0254800198);
   EXPECT_EQ(config.core.fusion.lidar_variance_m2, 0.0005798584);

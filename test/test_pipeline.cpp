@@ -17,12 +17,11 @@ namespace flight_corridor {
 namespace {
 
 using namespace test_support;
-const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 TEST(Pipeline, AWallWithinTheCorridorBlocksIt) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   pipeline.addRange(reading(1.0, 3.0));
-  const Report& report = pipeline.process(wallFrame(kGeometry, 7, 1.0));  // 3 m
+  const Report& report = pipeline.process(wallFrame(kSmallGeometry, 7, 1.0));  // 3 m
   EXPECT_EQ(report.verdict.state, State::Blocked);
   EXPECT_TRUE(report.verdict.reasons & kOccupiedCell);
   EXPECT_TRUE(report.verdict.reasons & kShortRange);
@@ -32,9 +31,9 @@ TEST(Pipeline, AWallWithinTheCorridorBlocksIt) {
 }
 
 TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   pipeline.addRange(reading(1.0, 7.0));
-  const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));  // 7 m
+  const Report& report = pipeline.process(wallFrame(kSmallGeometry, 3, 1.0));  // 7 m
   EXPECT_EQ(report.verdict.state, State::Free)
       << describeReasons(report.verdict.reasons) << " " << report.verdict.unknown_fraction;
   EXPECT_EQ(report.verdict.clear_distance_m, kInfinity);
@@ -43,9 +42,9 @@ TEST(Pipeline, AWallBeyondTheCorridorLeavesItFree) {
 TEST(Pipeline, ACorridorWhoseEndIsOutOfViewIsNotFree) {
   for (const double yaw_deg : {15.0, -15.0, 50.0, -50.0, 90.0, 180.0}) {
     const Eigen::Isometry3d turned(Eigen::AngleAxisd(yaw_deg * M_PI / 180.0, Eigen::Vector3d::UnitZ()));
-    Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+    Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
     pipeline.pointAlong(opticalFromForward() * turned);
-    const Verdict& verdict = pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict;
+    const Verdict& verdict = pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict;
     EXPECT_EQ(verdict.state, std::abs(yaw_deg) < 20.0 ? State::Free : State::Unknown) << yaw_deg;
     EXPECT_EQ((verdict.reasons & kUnobserved) == 0, std::abs(yaw_deg) < 20.0) << yaw_deg;
   }
@@ -55,9 +54,9 @@ TEST(Pipeline, ACorridorWhoseEndIsOutOfViewIsNotFree) {
 Report seenWithVariance(double variance_m2, double range_m, int disparity_px) {
   Config config;
   config.fusion.lidar_variance_m2 = config.fusion.stereo_variance_m2 = variance_m2;
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
   pipeline.addRange(reading(1.0, range_m));
-  return pipeline.process(wallFrame(kGeometry, disparity_px, 1.0));
+  return pipeline.process(wallFrame(kSmallGeometry, disparity_px, 1.0));
 }
 
 TEST(Pipeline, ARangeThatMayEndInTheCorridorBlocksIt) {
@@ -77,14 +76,14 @@ TEST(Pipeline, ARangeInTheCorridorBlocksItHoweverUncertain) {
 TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
   Config config;
   config.map.frame_id = "odom";
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   for (double stamp_s = 1.0; stamp_s < 1.5; stamp_s += 0.1) {
     pipeline.addRange(reading(stamp_s, 7.0));
-    pipeline.process(wallFrame(kGeometry, 3, stamp_s), here);
+    pipeline.process(wallFrame(kSmallGeometry, 3, stamp_s), here);
   }
-  ASSERT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.5), here).verdict.state, State::Free);
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.6);
+  ASSERT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.5), here).verdict.state, State::Free);
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.6);
   for (cv::Mat* image : {&frame.left, &frame.right}) image->colRange(60, 260).setTo(128);  // something without texture
   const Report& report = pipeline.process(frame, here);
   EXPECT_EQ(report.verdict.state, State::Unknown);
@@ -92,9 +91,9 @@ TEST(Pipeline, AMapThatRemembersCallsNothingFreeThatIsNotSeenNow) {
 }
 
 TEST(Pipeline, ABlankMiddleIsUnobserved) {
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0);
   for (cv::Mat* image : {&frame.left, &frame.right}) image->colRange(80, 250).setTo(128);
-  Pipeline pipeline(Config(), kGeometry, Rig());
+  Pipeline pipeline(Config(), kSmallGeometry, Rig());
   const Report& report = pipeline.process(frame);
   EXPECT_GT(pipeline.disparity().matched_fraction, 2.0 * Config().stereo.min_matched_fraction) << "of all";
   EXPECT_EQ(report.verdict.state, State::Unknown);
@@ -110,10 +109,10 @@ TEST(Pipeline, ParallelWiresThatFitOnEachOtherAreNotFree) {
 }
 
 TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   StereoFrame frame;
   frame.stamp_s = 1.0;
-  frame.left = frame.right = cv::Mat(kGeometry.size(), CV_8UC1, cv::Scalar(128));
+  frame.left = frame.right = cv::Mat(kSmallGeometry.size(), CV_8UC1, cv::Scalar(128));
   const Report& blank = pipeline.process(frame);
   EXPECT_EQ(blank.verdict.state, State::Unknown);
   EXPECT_TRUE(blank.verdict.reasons & kNoDisparity);
@@ -127,23 +126,23 @@ TEST(Pipeline, BlankImagesAreUnknownAndALidarAloneCanBlock) {
 }
 
 TEST(Pipeline, ALidarStuckFarAwayCannotFreeABlockedCorridor) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (int i = 0; i < 30; ++i) {
     const double stamp = 1.0 + 0.05 * i;
     pipeline.addRange(reading(stamp, 12.0));
-    const Report& report = pipeline.process(wallFrame(kGeometry, 7, stamp));
+    const Report& report = pipeline.process(wallFrame(kSmallGeometry, 7, stamp));
     EXPECT_EQ(report.verdict.state, State::Blocked) << "frame " << i;
     EXPECT_NEAR(report.scale, 1.0, 1e-9) << "frame " << i;
   }
 }
 
 TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   State last = State::Unknown;
   for (int i = 0; i < 60; ++i) {  // a baseline that is announced far too long: 4.7 m are measured as 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 4.7 + 0.001 * (i % 2)));
-    if (i % 10 == 9) last = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict.state;
+    if (i % 10 == 9) last = pipeline.process(wallFrame(kSmallGeometry, 3, stamp)).verdict.state;
   }
   EXPECT_EQ(last, State::Unknown);
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kDisagreement | kLidarNearer | kUnobserved)
@@ -151,13 +150,13 @@ TEST(Pipeline, ALidarThatIsLastinglyNearerThanStereoIsNeverFree) {
 }
 
 TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   bool followed = false;           // the LiDAR, until the frame that reports the disagreement
   for (int i = 0; i < 150; ++i) {  // the beam passes what the footprint shows at 7 m
     const double stamp = 1.0 + 0.01 * i;
     pipeline.addRange(reading(stamp, 14.0 + 0.001 * (i % 2)));
     if (i % 25 != 24) continue;
-    const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, stamp)).verdict;
+    const Verdict verdict = pipeline.process(wallFrame(kSmallGeometry, 3, stamp)).verdict;
     EXPECT_EQ(verdict.state, State::Free) << stamp;
     followed |= (verdict.reasons & kDisagreement) && !(verdict.reasons & kNoLidar);
   }
@@ -166,9 +165,9 @@ TEST(Pipeline, ALidarThatIsLastinglyFartherThanStereoSaysNothingAgainstTheCloud)
 
 /// A wall at 7 m, and upright boards before it, at 3 m: the first column of each and how many.
 StereoFrame boardsFrame(const std::vector<std::pair<int, int>>& boards, double stamp_s, int board_px = 7) {
-  const int shift_px = board_px + static_cast<int>(kGeometry.principalPointDifference());
-  StereoFrame frame = wallFrame(kGeometry, 3, stamp_s);
-  const StereoFrame near = wallFrame(kGeometry, board_px, stamp_s + 0.01);
+  const int shift_px = board_px + static_cast<int>(kSmallGeometry.principalPointDifference());
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, stamp_s);
+  const StereoFrame near = wallFrame(kSmallGeometry, board_px, stamp_s + 0.01);
   for (const auto& [left, columns] : boards) {
     const int right = left - shift_px;
     near.left.colRange(left, left + columns).copyTo(frame.left.colRange(left, left + columns));
@@ -182,14 +181,14 @@ TEST(Pipeline, ALidarThatMetAnEdgeThatIsShownBesideTheBeamLeavesTheCorridorFree)
   Config config;
   config.corridor.length_m = 3.0;
   for (const bool is_shown : {true, false}) {
-    Pipeline pipeline(config, kGeometry, rigWithLidar());
+    Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
     Report report;
     for (int i = 0; i < 60; ++i) {
       const double stamp_s = 1.0 + 0.01 * i;
-      pipeline.addRange(reading(stamp_s, kGeometry.depth(kBoard_px) + 0.001 * (i % 2)));
+      pipeline.addRange(reading(stamp_s, kSmallGeometry.depth(kBoard_px) + 0.001 * (i % 2)));
       if (i % 10 != 9) continue;
       report = pipeline.process(is_shown ? boardsFrame({{110, 46}, {163, 60}}, stamp_s, kBoard_px)
-                                         : wallFrame(kGeometry, 3, stamp_s));
+                                         : wallFrame(kSmallGeometry, 3, stamp_s));
     }
     ASSERT_TRUE(report.verdict.reasons & kDisagreement) << is_shown;
     EXPECT_EQ(report.verdict.state, is_shown ? State::Free : State::Unknown);
@@ -199,10 +198,10 @@ TEST(Pipeline, ALidarThatMetAnEdgeThatIsShownBesideTheBeamLeavesTheCorridorFree)
 
 /// When boards that blocked are not there 0.1 s later.
 Verdict afterBoards(const std::vector<std::pair<int, int>>& boards) {
-  Pipeline pipeline(Config(), kGeometry, Rig());
+  Pipeline pipeline(Config(), kSmallGeometry, Rig());
   EXPECT_EQ(pipeline.process(boardsFrame(boards, 1.0)).verdict.state, State::Blocked);
-  const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict;
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.3)).verdict.state, State::Free);
+  const Verdict verdict = pipeline.process(wallFrame(kSmallGeometry, 3, 1.1)).verdict;
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.3)).verdict.state, State::Free);
   return verdict;
 }
 
@@ -217,13 +216,13 @@ TEST(Pipeline, AfterSomethingBroadIsSeenToHaveGoneTheCorridorIsFree) {
 }
 
 TEST(Pipeline, ARangeThatEndsBeforeTheBroadThingKeepsTheHoldTime) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 1.5));
   const Verdict blocked = pipeline.process(boardsFrame({{140, 40}}, 1.0)).verdict;
   ASSERT_TRUE(blocked.reasons & kOccupiedCell);
   ASSERT_NEAR(blocked.clear_distance_m, 1.5, 0.1);
   for (const double stamp_s : {1.08, 1.09, 1.1}) pipeline.addRange(reading(stamp_s, 7.0));
-  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
+  EXPECT_TRUE(pipeline.process(wallFrame(kSmallGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
 }
 
 TEST(Pipeline, AThinThingBesideABroadOneKeepsTheHoldTime) {
@@ -231,11 +230,11 @@ TEST(Pipeline, AThinThingBesideABroadOneKeepsTheHoldTime) {
 }
 
 TEST(Pipeline, AfterTheLidarAloneBlockedNothingIsFreeForTheHoldTime) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 3.0));
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.state, State::Blocked);
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict.state, State::Blocked);
   for (const double stamp_s : {1.08, 1.09, 1.1}) pipeline.addRange(reading(stamp_s, 7.0));
-  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
+  EXPECT_TRUE(pipeline.process(wallFrame(kSmallGeometry, 3, 1.1)).verdict.reasons & kRecentlyBlocked);
 }
 
 TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
@@ -245,9 +244,10 @@ TEST(Pipeline, MovingMapAndPoseTogetherKeepsTheVerdict) {
   T_W_C.translation() = Eigen::Vector3d(12.3, -4.56, 7.89);
   T_W_C.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   for (const auto& [disparity_px, state] : {std::pair(3, State::Free), std::pair(7, State::Blocked)}) {
-    Pipeline pipeline(config, kGeometry, rigWithLidar()), camera(Config(), kGeometry, rigWithLidar());
-    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, disparity_px, 1.0), T_W_C).verdict.state, state) << disparity_px;
-    EXPECT_EQ(camera.process(wallFrame(kGeometry, disparity_px, 1.0)).verdict.state, state) << disparity_px;
+    Pipeline pipeline(config, kSmallGeometry, rigWithLidar()), camera(Config(), kSmallGeometry, rigWithLidar());
+    EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, disparity_px, 1.0), T_W_C).verdict.state, state)
+        << disparity_px;
+    EXPECT_EQ(camera.process(wallFrame(kSmallGeometry, disparity_px, 1.0)).verdict.state, state) << disparity_px;
   }
 }
 
@@ -259,12 +259,12 @@ double medianDepth(const Cloud& cloud) {
 }
 
 TEST(Pipeline, TheCloudIsOfTheLastFrame) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   EXPECT_TRUE(toCloud(pipeline).empty());
-  pipeline.process(wallFrame(kGeometry, 7, 1.0));
+  pipeline.process(wallFrame(kSmallGeometry, 7, 1.0));
   ASSERT_FALSE(toCloud(pipeline).empty());
   EXPECT_NEAR(medianDepth(toCloud(pipeline)), 3.0, 0.1);
-  pipeline.process(wallFrame(kGeometry, 3, 1.1));
+  pipeline.process(wallFrame(kSmallGeometry, 3, 1.1));
   EXPECT_NEAR(medianDepth(toCloud(pipeline)), 7.0, 0.2);
 }
 

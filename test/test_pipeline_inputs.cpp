@@ -15,12 +15,11 @@ namespace flight_corridor {
 namespace {
 
 using namespace test_support;
-const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 TEST(PipelineInputs, ReadingsThatAreNoRangesAreCountedAndNamed) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (const double range : {kNaN, kInfinity, -kInfinity, 0.0, 0.1, 9509.0}) pipeline.addRange(reading(1.0, range));
-  const Report& report = pipeline.process(wallFrame(kGeometry, 3, 1.0));
+  const Report& report = pipeline.process(wallFrame(kSmallGeometry, 3, 1.0));
   EXPECT_EQ(pipeline.counters().lidar, 6u);
   EXPECT_EQ(pipeline.counters().lidar_invalid, 6u);
   EXPECT_TRUE(report.verdict.reasons & kNoLidar);
@@ -28,8 +27,8 @@ TEST(PipelineInputs, ReadingsThatAreNoRangesAreCountedAndNamed) {
 }
 
 TEST(PipelineInputs, BadInputIsUnknownWithItsReason) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame good = wallFrame(kGeometry, 3, 1.0), bad = good;
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  StereoFrame good = wallFrame(kSmallGeometry, 3, 1.0), bad = good;
   bad.right = cv::Mat();
   EXPECT_EQ(pipeline.process(bad).verdict.reasons, kBadImage);
   bad.right = good.right.rowRange(0, 100);
@@ -44,8 +43,8 @@ TEST(PipelineInputs, BadInputIsUnknownWithItsReason) {
 }
 
 TEST(PipelineInputs, OneCameraOnBothTopicsIsNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kSmallGeometry, 7, 1.0);
   frame.right = frame.left.clone();
   const Report& report = pipeline.process(frame);
   EXPECT_EQ(report.verdict.state, State::Unknown);
@@ -53,14 +52,14 @@ TEST(PipelineInputs, OneCameraOnBothTopicsIsNeverFree) {
 }
 
 TEST(PipelineInputs, FrozenCamerasAreNeverFree) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0);
   EXPECT_EQ(pipeline.process(frame).verdict.state, State::Free);
   frame.stamp_s = 1.1;
   EXPECT_EQ(pipeline.process(frame).verdict.state, State::Unknown);
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.2)).verdict.state, State::Free);
-  StereoFrame half = wallFrame(kGeometry, 3, 1.3);
-  frame = wallFrame(kGeometry, 3, 1.2);
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.2)).verdict.state, State::Free);
+  StereoFrame half = wallFrame(kSmallGeometry, 3, 1.3);
+  frame = wallFrame(kSmallGeometry, 3, 1.2);
   half.right = frame.right;
   const Report& report = pipeline.process(half);
   EXPECT_NE(report.verdict.state, State::Free);
@@ -70,21 +69,21 @@ TEST(PipelineInputs, FrozenCamerasAreNeverFree) {
 TEST(PipelineInputs, WhatIsNotTrustedClearsNothing) {
   Config config;
   config.map.frame_id = "odom";
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 3, 1.0);
+  Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kSmallGeometry, 3, 1.0);
   EXPECT_TRUE(pipeline.process(frame, Eigen::Isometry3d::Identity()).clears);
   const Eigen::Isometry3d turned(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
   frame.stamp_s = 1.1;  // frozen, while the rig has turned to where nobody looked
   EXPECT_FALSE(pipeline.process(frame, turned).clears);
   EXPECT_EQ(pipeline.map().tree().search(1.45, 0.05, 0.05), nullptr);
   pipeline.addRange(reading(1.2, -kInfinity));  // something is too close
-  EXPECT_FALSE(pipeline.process(wallFrame(kGeometry, 3, 1.2), turned).clears);
-  EXPECT_TRUE(pipeline.process(wallFrame(kGeometry, 3, 2.0), turned).clears);
+  EXPECT_FALSE(pipeline.process(wallFrame(kSmallGeometry, 3, 1.2), turned).clears);
+  EXPECT_TRUE(pipeline.process(wallFrame(kSmallGeometry, 3, 2.0), turned).clears);
 }
 
 TEST(PipelineInputs, FrozenCamerasStillBlock) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  StereoFrame frame = wallFrame(kGeometry, 7, 1.0);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  StereoFrame frame = wallFrame(kSmallGeometry, 7, 1.0);
   pipeline.process(frame);
   frame.stamp_s = 1.1;
   EXPECT_EQ(pipeline.process(frame).verdict.state, State::Blocked);
@@ -93,23 +92,25 @@ TEST(PipelineInputs, FrozenCamerasStillBlock) {
 TEST(PipelineInputs, AMapInTheWorldNeedsAPose) {
   Config config;
   config.map.frame_id = "odom";
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.reasons, kNoPose);
+  Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict.reasons, kNoPose);
   Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
   broken.translation().x() = kNaN;
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0), broken).verdict.reasons, kNoPose);
   for (const Eigen::Vector3d& scale : {Eigen::Vector3d(2, 2, 2), Eigen::Vector3d(1, 1, -1)}) {
     broken = Eigen::Scaling(scale);
-    EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), broken).verdict.reasons, kNoPose) << scale.transpose();
+    EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0), broken).verdict.reasons, kNoPose)
+        << scale.transpose();
   }
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0), Eigen::Isometry3d::Identity()).verdict.state,
+            State::Free);
 }
 
 TEST(PipelineInputs, APairFromBeforeTheLastOneIsNoData) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  pipeline.process(wallFrame(kGeometry, 3, 1.0));
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 0.9)).verdict.reasons, kNoData);
-  EXPECT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.1)).verdict.state, State::Free);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  pipeline.process(wallFrame(kSmallGeometry, 3, 1.0));
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 0.9)).verdict.reasons, kNoData);
+  EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.1)).verdict.state, State::Free);
 }
 
 TEST(PipelineInputs, ARigThatSeesNothingBeforeTheCorridorsLastQuarterIsRefused) {
@@ -131,11 +132,11 @@ TEST(PipelineInputs, ARigThatSeesNothingBeforeTheCorridorsLastQuarterIsRefused) 
 TEST(PipelineInputs, SpaceBeforeTheNearestDepthIsUnobserved) {
   Config config;
   config.stereo.num_disparities_px = 32;  // 0.7 m: beyond corridor/blind_m
-  Pipeline pipeline(config, kGeometry, rigWithLidar());
+  Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
   EXPECT_FALSE(pipeline.seesFromBlind());
   const double blind_m = pipeline.nearestDepth() - config.corridor.blind_m;
   const double needed_m = config.corridor.length_m - config.corridor.blind_m;
-  const Verdict verdict = pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict;
+  const Verdict verdict = pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict;
   EXPECT_NEAR(verdict.unknown_fraction, blind_m / needed_m, 0.03);  // a cell of 0.1 m of the 3.6 m
   const auto near = [&](double from_m, double length_m) {
     return pipeline.query({opticalFromForward() * Eigen::Translation3d(from_m, 0, 0), {length_m, 0.3, 0.2}});
@@ -161,7 +162,7 @@ TEST(PipelineInputs, ARigThatIsBlindTooFarIsNeverFree) {
 TEST(PipelineInputs, RefusesABrokenConfiguration) {
   Config config;
   config.corridor.height_m = 0.0;
-  EXPECT_THROW(Pipeline(config, kGeometry, rigWithLidar()), std::invalid_argument);
+  EXPECT_THROW(Pipeline(config, kSmallGeometry, rigWithLidar()), std::invalid_argument);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ std::vector<Place> places() {
 
 StereoGeometry geometry() { return StereoGeometry(sim::defaultRig().calibration); }
 
-State stateOf(const World& world, const CorridorConfig& corridor = {}) {
+State stateIn(const World& world, const CorridorConfig& corridor = {}) {
   Config config;
   config.corridor = corridor;
   Pipeline pipeline(config, geometry(), Rig());
@@ -72,11 +72,11 @@ TEST(PipelineLaws, AWiderBoxIsNotFreeWhereANarrowerOneIsNot) {
 
 TEST(PipelineLaws, NothingThatIsAddedWithinTheBoxLeavesItFree) {
   for (const Place& place : places()) {
-    EXPECT_EQ(stateOf(place.world), place.state) << place.name;
+    EXPECT_EQ(stateIn(place.world), place.state) << place.name;
     for (const double x_m : {1.5, 2.5}) {
       for (const double y_m : {-0.4, 0.1}) {
         const sim::Primitive obstacle = texturedBox({x_m, y_m, sim::kHeight_m}, 0.3);
-        EXPECT_NE(stateOf(with(place.world, obstacle)), State::Free) << place.name << ", " << x_m << " m, " << y_m;
+        EXPECT_NE(stateIn(with(place.world, obstacle)), State::Free) << place.name << ", " << x_m << " m, " << y_m;
       }
     }
   }
@@ -84,7 +84,7 @@ TEST(PipelineLaws, NothingThatIsAddedWithinTheBoxLeavesItFree) {
 
 TEST(PipelineLaws, WhatIsAddedBesideABlockedBoxDoesNotFreeIt) {
   for (const double y_m : {-1.0, 1.0}) {
-    EXPECT_EQ(stateOf(with(wall(3.0), texturedBox({2.0, y_m, sim::kHeight_m}, 0.4))), State::Blocked) << y_m;
+    EXPECT_EQ(stateIn(with(wall(3.0), texturedBox({2.0, y_m, sim::kHeight_m}, 0.4))), State::Blocked) << y_m;
   }
 }
 

@@ -12,17 +12,16 @@ namespace flight_corridor {
 namespace {
 
 using namespace test_support;
-const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 TEST(PipelineQuery, AQueryIsAnsweredFromTheMapAsItIs) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   EXPECT_EQ(pipeline.query(ahead(1.0, 2.5)).reasons, kNoData | kUnobserved);
-  pipeline.process(wallFrame(kGeometry, 3, 1.0));  // 7 m
+  pipeline.process(wallFrame(kSmallGeometry, 3, 1.0));  // 7 m
   const Verdict free = pipeline.query(ahead(1.0, 2.5));
   EXPECT_EQ(free.state, State::Free) << describeReasons(free.reasons) << " " << free.unknown_fraction;
   EXPECT_EQ(free.clear_distance_m, kInfinity);
   EXPECT_EQ(free.stamp_s, 1.0);
-  pipeline.process(wallFrame(kGeometry, 7, 1.1));  // 3 m
+  pipeline.process(wallFrame(kSmallGeometry, 7, 1.1));  // 3 m
   const Verdict blocked = pipeline.query(ahead(1.0, 2.5));
   EXPECT_EQ(blocked.state, State::Blocked);
   EXPECT_TRUE(blocked.reasons & kOccupiedCell);
@@ -31,8 +30,8 @@ TEST(PipelineQuery, AQueryIsAnsweredFromTheMapAsItIs) {
 }
 
 TEST(PipelineQuery, AQueryExemptsNothingThatTheCameraCannotSee) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  ASSERT_EQ(pipeline.process(wallFrame(kGeometry, 3, 1.0)).verdict.state, State::Free);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  ASSERT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict.state, State::Free);
   for (const Box& box : {ahead(0.0, 0.4), ahead(-3.0, 2.0), ahead(7.5, 2.0)}) {
     const Verdict verdict = pipeline.query(box);
     EXPECT_EQ(verdict.state, State::Unknown);
@@ -42,8 +41,8 @@ TEST(PipelineQuery, AQueryExemptsNothingThatTheCameraCannotSee) {
 }
 
 TEST(PipelineQuery, AQueryIsNeverFreeAfterAFrameThatShowsNothing) {
-  Pipeline pipeline(Config(), kGeometry, rigWithLidar());
-  const StereoFrame good = wallFrame(kGeometry, 3, 1.0);
+  Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
+  const StereoFrame good = wallFrame(kSmallGeometry, 3, 1.0);
   pipeline.process(good);
   ASSERT_EQ(pipeline.query(ahead(1.0, 2.5)).state, State::Free);
   StereoFrame frozen = good, refused = good;
@@ -65,7 +64,7 @@ TEST(PipelineQuery, AQueryOfWiresThatFitOnEachOtherIsNotFree) {
 }
 
 TEST(PipelineQuery, QueriesOfImpossibleBoxesSayWhatIsWrong) {
-  const Pipeline pipeline(Config(), kGeometry, rigWithLidar());
+  const Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   try {
     pipeline.query(ahead(kNaN, -1.0));
     FAIL() << "accepted";

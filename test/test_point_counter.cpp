@@ -7,22 +7,18 @@
 
 #include "flight_corridor/map/point_counter.hpp"
 #include "support/calibrations.hpp"
+#include "support/ray_oracle.hpp"
 #include "support/wall_scene.hpp"
 
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::smallCalibration());
-
-MapConfig withoutHitBand() {
-  MapConfig config;
-  config.hit_band_px = 0.0;
-  return config;
-}
+using test_support::kSmallGeometry;
+using test_support::withoutHitBand;
 
 std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
-  PointCounter counter(withoutHitBand(), kGeometry);
-  counter.count(test_support::wallDepth(kGeometry.size(), depth_m), T_M_C);
+  PointCounter counter(withoutHitBand(), kSmallGeometry);
+  counter.count(test_support::wallDepth(kSmallGeometry.size(), depth_m), T_M_C);
   std::uint32_t points = 0;
   for (const CellCounts::Cube& cube : counter.cubes()) {
     for (const std::uint32_t count : cube.counts) points += count;
@@ -31,7 +27,7 @@ std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
 }
 
 TEST(PointCounter, CountsEveryPointWithinTheRange) {
-  const auto pixels = static_cast<std::uint32_t>(kGeometry.size().area());
+  const auto pixels = static_cast<std::uint32_t>(kSmallGeometry.size().area());
   EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d::Identity()), pixels);
   EXPECT_EQ(pointsAt(9.0, Eigen::Isometry3d::Identity()), 0u);
   EXPECT_EQ(pointsAt(kNaN, Eigen::Isometry3d::Identity()), 0u);
@@ -42,13 +38,13 @@ TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
 }
 
 TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
-  PointCounter counter(withoutHitBand(), kGeometry);
+  PointCounter counter(withoutHitBand(), kSmallGeometry);
   const Eigen::Isometry3d T_M_C(Eigen::Translation3d(1.0, -2.0, 0.5));
-  counter.count(test_support::wallDepth(kGeometry.size(), 4.05), T_M_C);
+  counter.count(test_support::wallDepth(kSmallGeometry.size(), 4.05), T_M_C);
   std::map<std::array<int, 3>, std::uint32_t> expected, found;
-  for (int v = 0; v < kGeometry.size().height; ++v) {
-    for (int u = 0; u < kGeometry.size().width; ++u) {
-      const Eigen::Array3d cell = (T_M_C * kGeometry.point(u, v, 4.05)).array() / withoutHitBand().resolution_m;
+  for (int v = 0; v < kSmallGeometry.size().height; ++v) {
+    for (int u = 0; u < kSmallGeometry.size().width; ++u) {
+      const Eigen::Array3d cell = (T_M_C * kSmallGeometry.point(u, v, 4.05)).array() / withoutHitBand().resolution_m;
       const Eigen::Array3i key = cell.floor().cast<int>() + 32768;
       ++expected[{key[0], key[1], key[2]}];
     }
@@ -62,7 +58,7 @@ TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
   }
   int moved = 0;  // points on a border between cells, by rounding
   for (const auto& [cell, count] : expected) moved += std::abs(static_cast<int>(count) - static_cast<int>(found[cell]));
-  EXPECT_LE(moved, 0.001 * kGeometry.size().area());
+  EXPECT_LE(moved, 0.001 * kSmallGeometry.size().area());
 }
 
 }  // namespace

@@ -5,13 +5,16 @@
 #include <string>
 
 #include "ros/range_serial_params.hpp"
+#include "support/contains.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
+using flight_corridor::test_support::contains;
+
 namespace serial = flight_corridor::serial;
 
-std::string complaintAbout(Values values) {
+std::string complaintAboutSensor(Values values) {
   values.emplace("protocol", std::string("tfmini"));
   try {
     makeRangeSerialConfig(values);
@@ -20,8 +23,6 @@ std::string complaintAbout(Values values) {
   }
   return "";
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(RangeSerialParams, EveryProtocolHasItsSensorsDefaults) {
   for (const auto protocol : serial::kProtocols) {
@@ -62,15 +63,15 @@ TEST(RangeSerialParams, AProtocolIsNeeded) {
   } catch (const std::invalid_argument& error) {
     EXPECT_TRUE(contains(error.what(), "protocol: missing; one of lightware, tfmini, lidar_lite")) << error.what();
   }
-  EXPECT_TRUE(contains(complaintAbout({{"protocol", std::string("sonar")}}),
+  EXPECT_TRUE(contains(complaintAboutSensor({{"protocol", std::string("sonar")}}),
                        "protocol: one of lightware, tfmini, lidar_lite (\"sonar\")"));
-  EXPECT_TRUE(contains(complaintAbout({{"protocol", 7}}), "protocol: one of lightware, tfmini, lidar_lite (7)"));
+  EXPECT_TRUE(contains(complaintAboutSensor({{"protocol", 7}}), "protocol: one of lightware, tfmini, lidar_lite (7)"));
 }
 
 TEST(RangeSerialParams, EveryWrongValueIsNamedWithWhatIsAllowed) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto complains = [](const Values& values, const std::string& part) {
-    const std::string complaint = complaintAbout(values);
+    const std::string complaint = complaintAboutSensor(values);
     EXPECT_TRUE(contains(complaint, part)) << "\"" << complaint << "\" lacks \"" << part << "\"";
   };
   complains({{"prot", 1}}, "prot: unknown key (1)");
@@ -94,7 +95,7 @@ TEST(RangeSerialParams, EveryWrongValueIsNamedWithWhatIsAllowed) {
 }
 
 TEST(RangeSerialParams, AllThatIsWrongIsNamedAtOnce) {
-  const std::string complaint = complaintAbout({{"baud", 1}, {"silence_s", 0}, {"prot", 1}, {"protocol", 1}});
+  const std::string complaint = complaintAboutSensor({{"baud", 1}, {"silence_s", 0}, {"prot", 1}, {"protocol", 1}});
   for (const char* key : {"baud", "silence_s", "prot", "protocol"}) {
     EXPECT_TRUE(contains(complaint, std::string("\n  ") + key + ": ")) << complaint;
   }

@@ -13,12 +13,11 @@ namespace flight_corridor {
 namespace {
 
 using namespace test_support;
-const StereoGeometry kGeometry(smallCalibration());  // f*B = 21 px m
 
 /// A surface across the view.
-cv::Mat showing(double disparity_px) { return cv::Mat(kGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
+cv::Mat showing(double disparity_px) { return cv::Mat(kSmallGeometry.size(), CV_32FC1, cv::Scalar(disparity_px)); }
 
-RangeTracker trackerWithLidar() { return {{}, {}, {}, kGeometry, rigWithLidar().T_C_L}; }
+RangeTracker trackerWithLidar() { return {{}, {}, {}, kSmallGeometry, rigWithLidar().T_C_L}; }
 
 /// Half a second of both sensors; a LiDAR that repeats itself does so to the last bit.
 TrackedRange trackedFor(RangeTracker& tracker, double lidar_m, const cv::Mat& disparity_px, bool repeats = false) {
@@ -43,7 +42,7 @@ TEST(RangeTracker, BothSensorsTellOneRange) {
 }
 
 TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
-  RangeTracker tracker({}, {}, {}, kGeometry, std::nullopt);
+  RangeTracker tracker({}, {}, {}, kSmallGeometry, std::nullopt);
   tracker.update(1.0, showing(7.0));
   const TrackedRange tracked = tracker.update(1.05, showing(7.0));
   EXPECT_NEAR(tracked.range.range_m, 3.0, 1e-6);
@@ -53,7 +52,7 @@ TEST(RangeTracker, WithoutALidarStereoAnswersAlone) {
 }
 
 TEST(RangeTracker, AReadingOfALidarWhosePlaceIsUnknownIsNotUsed) {
-  RangeTracker tracker({}, {}, {}, kGeometry, std::nullopt);
+  RangeTracker tracker({}, {}, {}, kSmallGeometry, std::nullopt);
   tracker.addRange(reading(1.0, 3.0));
   const TrackedRange tracked = tracker.update(1.0, showing(kNaN));
   EXPECT_EQ(reasonsOf(tracked), kNoLidar | kLidarRejected | kNoRangeObserved);
@@ -172,7 +171,7 @@ TEST(RangeTracker, ALidarThatMeetsSomethingNearerOrBecomesSlowIsNoLongerValid) {
 }
 
 TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContradictIt) {
-  const double edge_px = kGeometry.disparity(4.7);
+  const double edge_px = kSmallGeometry.disparity(4.7);
   for (const double beside_px : {edge_px, edge_px + 0.6}) {
     RangeTracker tracker = trackerWithLidar();
     cv::Mat disparity_px = showing(3.0);
@@ -184,13 +183,13 @@ TEST(RangeTracker, ALidarThatMetAnEdgeThatStereoShowsBesideTheBeamDoesNotContrad
 }
 
 TEST(RangeTracker, WhatIsShownBesideTheBeamIsMeasuredWithTheLearntScale) {
-  const double edge_px = kGeometry.disparity(4.7);
+  const double edge_px = kSmallGeometry.disparity(4.7);
   for (const bool has_learnt : {false, true}) {
     RangeTracker tracker = trackerWithLidar();
     for (int i = 0; i < 100; ++i) {  // a rig 10 % too far, or a faultless one
       tracker.addRange(reading(0.01 * i, 6.3 + 0.001 * (i % 2)));
       const double measured_m = has_learnt ? 7.0 : 6.3;
-      if (i % 5 == 4) tracker.update(0.01 * i, showing(kGeometry.disparity(measured_m)));
+      if (i % 5 == 4) tracker.update(0.01 * i, showing(kSmallGeometry.disparity(measured_m)));
     }
     cv::Mat disparity_px = showing(3.0);
     disparity_px.colRange(162, 320).setTo(0.9 * edge_px);  // of 4.7 m, 10 % too far
@@ -204,7 +203,7 @@ TEST(RangeTracker, AFewMatchesBesideTheBeamShowNothing) {
   RangeTracker tracker = trackerWithLidar();
   ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
   cv::Mat disparity_px = showing(kNaN);
-  disparity_px(cv::Rect(159, 119, 2, 2)).setTo(kGeometry.disparity(4.7));
+  disparity_px(cv::Rect(159, 119, 2, 2)).setTo(kSmallGeometry.disparity(4.7));
   EXPECT_TRUE(tracker.update(1.5, disparity_px).lidar_is_nearer);
 }
 

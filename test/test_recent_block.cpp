@@ -9,7 +9,8 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::vgaCalibration());
+using test_support::kVgaGeometry;
+
 constexpr double kHold_s = 0.25;
 
 /// Something upright across the beam's direction: x and y from and to, depth [m].
@@ -25,10 +26,10 @@ const Board kBeside{0.71, 1.0, -0.2, 0.2, 2.95};  // not in the box
 class RecentBlockTest : public testing::Test {
  protected:
   const OccupancyMap& imageOf(const std::vector<Board>& boards) {
-    cv::Mat depth_m(kGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
+    cv::Mat depth_m(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kNaN));
     for (const Board& board : boards) {
-      const Eigen::Vector2d low = kGeometry.project({board.left_m, board.top_m, board.depth_m});
-      const Eigen::Vector2d high = kGeometry.project({board.right_m, board.bottom_m, board.depth_m});
+      const Eigen::Vector2d low = kVgaGeometry.project({board.left_m, board.top_m, board.depth_m});
+      const Eigen::Vector2d high = kVgaGeometry.project({board.right_m, board.bottom_m, board.depth_m});
       const cv::Rect area(cv::Point(low.array().ceil().x(), low.array().ceil().y()), cv::Point(high.x(), high.y()));
       depth_m(area) = board.depth_m;
     }
@@ -48,7 +49,7 @@ class RecentBlockTest : public testing::Test {
     return block_.mayRemain(stamp_s, imageOf(boards), box_);
   }
 
-  OccupancyMap map_{MapConfig(), kGeometry};
+  OccupancyMap map_{MapConfig(), kVgaGeometry};
   RecentBlock block_{kHold_s, MapConfig().resolution_m};
   Box box_ = Corridor(CorridorConfig()).box(opticalFromForward());
 };

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include "ros/reconfigure.hpp"
+#include "support/contains.hpp"
 
 namespace flight_corridor_ros {
 namespace {
+
+using flight_corridor::test_support::contains;
 
 dynamic_reconfigure::Config request(const std::string& key, double value) {
   dynamic_reconfigure::Config config;
@@ -21,8 +24,6 @@ std::string complaintAbout(const dynamic_reconfigure::Config& config) {
   }
   return "";
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(Reconfigure, ChangesWhatIsNamedAndNothingElse) {
   NodeConfig before;

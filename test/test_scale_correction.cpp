@@ -10,21 +10,21 @@
 namespace flight_corridor {
 namespace {
 
-const StereoGeometry kGeometry(test_support::vgaCalibration());
+using test_support::kVgaGeometry;
 
 /// Shows a rig with true = a * measured + b surfaces between two depths, 30 times a second.
 void teach(ScaleCorrection& scale, double a, double b_px, double from_m, double to_m, int frames) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.2);
   for (int i = 0; i < frames; ++i) {
-    const double true_px = kGeometry.disparity(from_m + (to_m - from_m) * i / frames);
+    const double true_px = kVgaGeometry.disparity(from_m + (to_m - from_m) * i / frames);
     scale.update(i / 30.0, (true_px - b_px) / a + noise(random), true_px, 0.2, 0.0);
   }
 }
 
 double depthError(const ScaleCorrection& scale, double a, double b_px, double depth_m) {
-  const double true_px = kGeometry.disparity(depth_m);
-  return std::abs(kGeometry.depth(scale.correct((true_px - b_px) / a)) / depth_m - 1.0);
+  const double true_px = kVgaGeometry.disparity(depth_m);
+  return std::abs(kVgaGeometry.depth(scale.correct((true_px - b_px) / a)) / depth_m - 1.0);
 }
 
 TEST(ScaleCorrection, WithoutEvidenceNothingIsCorrected) {
@@ -62,10 +62,10 @@ TEST(ScaleCorrection, WhatBecomesSignificantDoesNotJump) {
   ScaleCorrection scale((ScaleConfig()));
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.03);
-  const double reference_px = kGeometry.disparity(4.0);
+  const double reference_px = kVgaGeometry.disparity(4.0);
   double before = scale.scale(reference_px);
   for (int i = 0; i < 1800; ++i) {
-    const double true_px = kGeometry.disparity(4.0 + 2.0 * std::sin(i / 30.0)), a = 1.0 + 0.001 * i / 30.0;
+    const double true_px = kVgaGeometry.disparity(4.0 + 2.0 * std::sin(i / 30.0)), a = 1.0 + 0.001 * i / 30.0;
     scale.update(i / 30.0, true_px / a + noise(random), true_px, 0.1, 0.02);
     EXPECT_NEAR(scale.scale(reference_px), before, 0.005) << "after " << i / 30.0 << " s";
     before = scale.scale(reference_px);
@@ -86,7 +86,8 @@ TEST(ScaleCorrection, OneReadingMovesItNoFurtherThanTheBound) {
 
 TEST(ScaleCorrection, AnAbsurdPairTeachesNothing) {
   ScaleCorrection scale((ScaleConfig()));
-  EXPECT_FALSE(scale.update(0.0, kGeometry.disparity(3.0), kGeometry.disparity(12.0), 0.3, 0.0));  // stuck LiDAR, + 9 m
+  EXPECT_FALSE(
+      scale.update(0.0, kVgaGeometry.disparity(3.0), kVgaGeometry.disparity(12.0), 0.3, 0.0));  // stuck LiDAR, + 9 m
   EXPECT_FALSE(scale.update(0.0, kNaN, 10.0, 0.3, 0.0));
   EXPECT_FALSE(scale.update(0.0, 10.0, kInfinity, 0.3, 0.0));
   EXPECT_FALSE(scale.update(0.0, 10.0, 10.0, 0.0, 0.0));
@@ -99,10 +100,10 @@ TEST(ScaleCorrection, AHoverTeachesNothingOfOtherRanges) {
     ScaleCorrection scale((ScaleConfig()));
     std::mt19937 random(9);
     std::normal_distribution<double> noise(0.0, 0.1);
-    const double true_px = kGeometry.disparity(hover_m);
+    const double true_px = kVgaGeometry.disparity(hover_m);
     for (int i = 0; i < 3600; ++i) scale.update(i / 30.0, true_px + noise(random), true_px, 0.3, 0.02);
-    EXPECT_LT(scale.scale(kGeometry.disparity(4.0)), 1.02) << hover_m;
-    EXPECT_GT(scale.scale(kGeometry.disparity(4.0)), 0.95) << hover_m;
+    EXPECT_LT(scale.scale(kVgaGeometry.disparity(4.0)), 1.02) << hover_m;
+    EXPECT_GT(scale.scale(kVgaGeometry.disparity(4.0)), 0.95) << hover_m;
   }
 }
 
@@ -140,11 +141,11 @@ TEST(ScaleCorrection, SwitchedOffItLeavesDisparityAlone) {
 TEST(ScaleCorrection, DepthIsOfTheCorrectedDisparity) {
   ScaleCorrection scale((ScaleConfig()));
   for (int i = 0; i < 50; ++i) scale.update(i, 10.0, 10.5, 0.05, 0.0);
-  cv::Mat disparity_px(kGeometry.size(), CV_32FC1, cv::Scalar(10.0)), depth_m;
+  cv::Mat disparity_px(kVgaGeometry.size(), CV_32FC1, cv::Scalar(10.0)), depth_m;
   disparity_px.at<float>(1, 1) = static_cast<float>(kNaN);
-  correctedDepth(disparity_px, scale, kGeometry, depth_m);
-  EXPECT_NEAR(depth_m.at<float>(100, 100), kGeometry.depth(scale.correct(10.0)), 1e-6);
-  EXPECT_LT(depth_m.at<float>(100, 100), kGeometry.depth(10.2));
+  correctedDepth(disparity_px, scale, kVgaGeometry, depth_m);
+  EXPECT_NEAR(depth_m.at<float>(100, 100), kVgaGeometry.depth(scale.correct(10.0)), 1e-6);
+  EXPECT_LT(depth_m.at<float>(100, 100), kVgaGeometry.depth(10.2));
   EXPECT_TRUE(std::isnan(depth_m.at<float>(1, 1)));
 }
 

@@ -12,7 +12,7 @@
 namespace flight_corridor::serial {
 namespace {
 
-using test_support::PseudoTerminal;
+using flight_corridor::test_support::PseudoTerminal;
 
 constexpr double kShort_s = 0.05, kLong_s = 5.0;
 
@@ -23,7 +23,7 @@ class SerialPortTest : public testing::Test {
     return std::string(reinterpret_cast<char*>(bytes), port_.read(bytes, sizeof bytes, timeout_s));
   }
 
-  test_support::TemporaryFolder folder_;
+  flight_corridor::test_support::TemporaryFolder folder_;
   const std::string path_ = folder_.path("lidar");
   SerialPort port_;
 };

@@ -11,7 +11,7 @@ namespace flight_corridor::sim {
 namespace {
 
 /// Quarter-size images; equal principal points.
-Rig smallRig() {
+Rig smallParallelRig() {
   Rig rig = defaultRig();
   scaleImages(rig, 0.25);
   rig.calibration.cx_right_px = rig.calibration.cx_px;
@@ -40,20 +40,20 @@ void expectDisparity(const Rig& rig, double depth_m, int disparity_px) {
 }
 
 TEST(Rig, AWallsDisparityIsFocalLengthTimesBaselineOverDepth) {
-  Rig rig = smallRig();
+  Rig rig = smallParallelRig();
   const StereoGeometry geometry(rig.calibration);
   expectDisparity(rig, geometry.depth(4.0), 4);
   expectDisparity(rig, geometry.depth(7.0), 7);
 }
 
 TEST(Rig, ARightPrincipalPointToTheLeftAddsToTheDisparityOfTheImages) {
-  Rig rig = smallRig();
+  Rig rig = smallParallelRig();
   rig.calibration.cx_right_px = rig.calibration.cx_px - 3.0;
   expectDisparity(rig, StereoGeometry(rig.calibration).depth(4.0), 4 + 3);
 }
 
 TEST(Rig, TheImagesAreMadeWithTheTrueBaselineAndOffset) {
-  Rig rig = smallRig();
+  Rig rig = smallParallelRig();
   rig.baseline_error = 0.25;
   expectDisparity(rig, StereoGeometry(rig.calibration).depth(4.0), 5);
   rig.disparity_offset_px = 2.0;
@@ -61,7 +61,7 @@ TEST(Rig, TheImagesAreMadeWithTheTrueBaselineAndOffset) {
 }
 
 TEST(Rig, AVerticalShiftLowersTheRightImage) {
-  Rig rig = smallRig();
+  Rig rig = smallParallelRig();
   rig.vertical_shift_px = 2.0;
   rig.calibration.baseline_m = 1e-9;
   const std::vector<Primitive> wall{makeBox({4.0, 0, 0}, {1, 40, 40}, {})};
@@ -70,7 +70,7 @@ TEST(Rig, AVerticalShiftLowersTheRightImage) {
 }
 
 TEST(Rig, SmallerImagesSeeTheSameField) {
-  const Rig full = defaultRig(), small = smallRig();
+  const Rig full = defaultRig(), small = smallParallelRig();
   EXPECT_NEAR(full.calibration.size_px.width / full.calibration.fx_px,
               small.calibration.size_px.width / small.calibration.fx_px, 1e-9);
 }

@@ -9,8 +9,9 @@
 namespace flight_corridor {
 namespace {
 
+using test_support::kVgaGeometry;
+
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-const StereoGeometry kGeometry(test_support::vgaCalibration());
 const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 const Eigen::Vector3d kBesideRight_C(0.65, 0.05, 3.05);  // centre of a cell that touches the box's right side
 const Eigen::Vector3d kInside_C(0.05, 0.05, 3.05);
@@ -26,16 +27,16 @@ Box corridor(const Eigen::Isometry3d& T_M_C) {
 
 /// Nothing but a part of a plane across, from left_m to right_m and all heights.
 cv::Mat strip(float depth_m, double left_m, double right_m) {
-  cv::Mat image(kGeometry.size(), CV_32FC1, cv::Scalar(kNothing));
+  cv::Mat image(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kNothing));
   for (int u = 0; u < image.cols; ++u) {
-    const double x_m = kGeometry.point(u, 0, depth_m).x();
+    const double x_m = kVgaGeometry.point(u, 0, depth_m).x();
     if (left_m <= x_m && x_m <= right_m) image.col(u).setTo(depth_m);
   }
   return image;
 }
 
 double begin(const cv::Mat& depth_m, const Eigen::Vector3d& cell_centre_C, double scale_sigma = 0.0) {
-  SurfaceInBox surface(MapConfig(), kGeometry, depth_m, scale_sigma, kHere, corridor(kHere));
+  SurfaceInBox surface(MapConfig(), kVgaGeometry, depth_m, scale_sigma, kHere, corridor(kHere));
   return surface.begin(cell_centre_C, kNear_m);
 }
 
@@ -88,7 +89,7 @@ TEST(SurfaceInBox, RememberedCellsThatTheImageMayHaveLostAreAllThatIsKnown) {
   const cv::Mat left_of_it = strip(3.16f, -9.0, 3.16 / 3.05 * (kInside_C.x() + 0.03));
   EXPECT_EQ(begin(left_of_it, kInside_C), kNear_m) << "some rays have no end";
   cv::Mat with_a_thread = strip(3.16f, -9.0, 9.0);
-  const Eigen::Vector2d middle_px = kGeometry.project(kInside_C);
+  const Eigen::Vector2d middle_px = kVgaGeometry.project(kInside_C);
   with_a_thread.at<float>(static_cast<int>(middle_px.y()), static_cast<int>(middle_px.x())) = 3.06f;
   EXPECT_EQ(begin(with_a_thread, kInside_C), kNear_m) << "a little of it is still seen";
 }
@@ -105,7 +106,7 @@ TEST(SurfaceInBox, MovingMapAndCameraTogetherKeepsTheAnswer) {
   T_M_C.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   for (const double left_m : {0.57, 0.66}) {
     const cv::Mat depth_m = strip(3.06f, left_m, 1.0);
-    SurfaceInBox surface(MapConfig(), kGeometry, depth_m, 0.0, T_M_C, corridor(T_M_C));
+    SurfaceInBox surface(MapConfig(), kVgaGeometry, depth_m, 0.0, T_M_C, corridor(T_M_C));
     const double here_m = begin(depth_m, kBesideRight_C), there_m = surface.begin(T_M_C * kBesideRight_C, kNear_m);
     EXPECT_EQ(std::isfinite(there_m), std::isfinite(here_m)) << left_m;
     EXPECT_FALSE(std::abs(there_m - here_m) > 1e-6) << left_m;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBorder_px = 40;  // what the raw images do not show whole
 
-StereoCalibration truth() {
+StereoCalibration idealCalibration() {
   StereoCalibration calibration;
   calibration.size_px = {320, 240};
   calibration.fx_px = calibration.fy_px = 260.0;
@@ -25,7 +25,7 @@ StereoCalibration truth() {
 
 /// Waves of 12 px and more, of 100 grey levels: their second derivative is 100 (2 pi / 12)^2 = 27 at most.
 cv::Mat waves(double phase) {
-  cv::Mat image(truth().size_px, CV_8UC1);
+  cv::Mat image(idealCalibration().size_px, CV_8UC1);
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       image.at<std::uint8_t>(v, u) =
@@ -40,7 +40,7 @@ class RectifierTest : public testing::TestWithParam<bool> {};
 /// Linear interpolation errs by an eighth of the second derivative, 3.4; the maps by 1/32 px of a slope of 50 * 0.41,
 /// 0.7; rounding twice by 1; the way there (cubic) by less than that.
 TEST_P(RectifierTest, GivesBackTheImagesOfWhichTheRawOnesWereMade) {
-  const auto cameras = test_support::makeRawRig(truth(), GetParam()).cameras;
+  const auto cameras = test_support::makeRawRig(idealCalibration(), GetParam()).cameras;
   const Rectifier rectifier(cameras);
   const cv::Rect inner(kBorder_px, kBorder_px, 320 - 2 * kBorder_px, 240 - 2 * kBorder_px);
   for (const bool is_left : {true, false}) {
@@ -55,12 +55,12 @@ TEST_P(RectifierTest, GivesBackTheImagesOfWhichTheRawOnesWereMade) {
 INSTANTIATE_TEST_SUITE_P(Lenses, RectifierTest, testing::Bool());
 
 TEST(Rectifier, OfRectifiedCamerasChangesNothing) {
-  const Rectifier rectifier(camerasOf(truth()));
+  const Rectifier rectifier(camerasOf(idealCalibration()));
   EXPECT_EQ(cv::norm(rectifier.left(waves(0.0)), waves(0.0), cv::NORM_INF), 0.0);
 }
 
 TEST(Rectifier, NamesAnImageOfAnotherSize) {
-  const Rectifier rectifier(camerasOf(truth()));
+  const Rectifier rectifier(camerasOf(idealCalibration()));
   EXPECT_THROW(rectifier.left(cv::Mat(240, 319, CV_8UC1)), std::invalid_argument);
 }
 

@@ -16,7 +16,7 @@
 namespace flight_corridor::tools {
 namespace {
 
-using test_support::kBaseline_m, test_support::kFocal_px, test_support::kHeight, test_support::kStart,
+using test_support::kBaseline_m, test_support::kFocal_px, test_support::kHeight, test_support::kWallStart,
     test_support::kWidth;
 
 class ReplayerTest : public test_support::WallBagTest {
@@ -25,7 +25,7 @@ class ReplayerTest : public test_support::WallBagTest {
   void writeImu(const sensor_msgs::Imu& imu, bool with_attitude = true) const {
     rosbag::Bag bag(path(), rosbag::bagmode::Append);
     for (int i = 0; i <= 50; ++i) {
-      const ros::Time stamp = kStart + ros::Duration(0.01 * i);
+      const ros::Time stamp = kWallStart + ros::Duration(0.01 * i);
       sensor_msgs::Imu stamped = imu;
       stamped.header.stamp = stamp;
       stamped.header.frame_id = "base_link";
@@ -51,7 +51,7 @@ class ReplayerTest : public test_support::WallBagTest {
   void writeOne(const sensor_msgs::Image& left, const sensor_msgs::Image& right) const {
     writeWall(6);
     rosbag::Bag bag(path(), rosbag::bagmode::Append);
-    const ros::Time stamp = kStart + ros::Duration(10.0);
+    const ros::Time stamp = kWallStart + ros::Duration(10.0);
     const StereoTopics topics;
     sensor_msgs::CameraInfo info = cameraInfo();
     info.header.stamp = stamp;

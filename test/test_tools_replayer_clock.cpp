@@ -109,9 +109,9 @@ TEST_F(ReplayerClockTest, PairsWithoutAStampAreRefused) {
 TEST_F(ReplayerClockTest, APoseThatComesTooLateIsMissing) {
   const auto writeWithPoses = [&](double delay_s) {
     writeWall(6);
-    StereoBagWriter poses(folder.path("poses.bag"), rig, test_support::kStart);
+    StereoBagWriter poses(folder.path("poses.bag"), rig, test_support::kWallStart);
     for (int i = 0; i < 8; ++i) {
-      poses.writePose(test_support::kStart + ros::Duration(0.1 * i), Eigen::Isometry3d::Identity());
+      poses.writePose(test_support::kWallStart + ros::Duration(0.1 * i), Eigen::Isometry3d::Identity());
     }
     poses.close();
     rosbag::Bag in(folder.path("poses.bag"), rosbag::bagmode::Read), out(path(), rosbag::bagmode::Append);

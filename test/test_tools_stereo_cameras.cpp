@@ -9,7 +9,7 @@
 namespace flight_corridor::tools {
 namespace {
 
-StereoCalibration truth() {
+StereoCalibration expectedCalibration() {
   StereoCalibration calibration;
   calibration.size_px = {640, 480};
   calibration.fx_px = calibration.fy_px = 350.0;
@@ -21,7 +21,7 @@ StereoCalibration truth() {
 }
 
 TEST(StereoCameras, OfARectifiedPairAreRectifiedAndHoldItsNumbers) {
-  const StereoCameras cameras = camerasOf(truth());
+  const StereoCameras cameras = camerasOf(expectedCalibration());
   EXPECT_TRUE(areRectified(cameras));
   const StereoCalibration calibration = flight_corridor_ros::toCalibration(cameras.left, cameras.right);
   EXPECT_EQ(calibration.cx_right_px, 318.5);
@@ -33,7 +33,7 @@ TEST(StereoCameras, OfWhichOneHasALensOrATurnAreRaw) {
                       +[](sensor_msgs::CameraInfo& camera) { camera.R[1] = 1e-3; },
                       +[](sensor_msgs::CameraInfo& camera) { camera.K[2] += 1.0; },
                       +[](sensor_msgs::CameraInfo& camera) { camera.distortion_model = "equidistant"; }}) {
-    StereoCameras cameras = camerasOf(truth());
+    StereoCameras cameras = camerasOf(expectedCalibration());
     change(cameras.right);
     EXPECT_FALSE(areRectified(cameras));
     EXPECT_TRUE(areRectified(rectified(cameras)));
@@ -41,21 +41,21 @@ TEST(StereoCameras, OfWhichOneHasALensOrATurnAreRaw) {
 }
 
 TEST(StereoCameras, WithoutKCannotBeRectified) {
-  StereoCameras cameras = camerasOf(truth());
+  StereoCameras cameras = camerasOf(expectedCalibration());
   cameras.left.K.fill(0.0);
   cameras.right.K.fill(0.0);
   EXPECT_TRUE(areRectified(cameras));
 }
 
 TEST(StereoCameras, RefuseWhatNoPairIs) {
-  StereoCameras cameras = camerasOf(truth());
+  StereoCameras cameras = camerasOf(expectedCalibration());
   EXPECT_THROW(align(cameras, Eigen::Isometry3d::Identity()), std::invalid_argument);  // in one place
   const Eigen::Isometry3d beside(Eigen::Translation3d(-0.12, 0.0, 0.0));
   EXPECT_NO_THROW(align(cameras, beside));
   cameras.right.distortion_model = "equidistant";
   cameras.right.D.resize(4);
   EXPECT_THROW(align(cameras, beside), std::invalid_argument);  // different lenses
-  cameras = camerasOf(truth());
+  cameras = camerasOf(expectedCalibration());
   cameras.left.D = {1e3, 0.0, 0.0, 0.0};
   EXPECT_THROW(align(cameras, beside), std::exception);
   cameras.left.D = {0.1, 0.0, 0.0};

@@ -16,31 +16,31 @@ constexpr double kLarge_m2 = 0.035;      // seen of a group of hit cells: a smal
 constexpr std::size_t kLarge_cells = 4;  // may be hit nowhere in the next image
 
 using Seen = OccupancyMap::Seen;
-using Cells = std::pmr::vector<Seen>;
+using SeenCells = std::pmr::vector<Seen>;
 
 /// Whether a cell, taken to be so large, is a hit that shares a point with a box.
 bool isHitIn(const Seen& cell, const Box& box, double cell_m) {
   return cell.is_hit && intersects(box, cell.centre_M, cell_m);
 }
 
-bool isLarge(const Cells& group, double cell_m) {
+bool isLarge(const SeenCells& group, double cell_m) {
   double faces = 0.0;
   for (const Seen& cell : group) faces += std::min(1.0f, cell.face);
   return group.size() >= kLarge_cells && faces * cell_m * cell_m >= kLarge_m2;
 }
 
 /// Groups of cells that touch each other.
-std::pmr::vector<Cells> groupsOf(const Cells& cells, double cell_m) {
+std::pmr::vector<SeenCells> groupsOf(const SeenCells& cells, double cell_m) {
   using Key = std::array<int, 3>;
   std::pmr::map<Key, Seen> rest(cells.get_allocator());
   for (const Seen& cell : cells) {
     const Eigen::Array3i place = (cell.centre_M / cell_m).array().floor().cast<int>();
     rest.emplace(Key{place.x(), place.y(), place.z()}, cell);
   }
-  std::pmr::vector<Cells> groups(cells.get_allocator());
+  std::pmr::vector<SeenCells> groups(cells.get_allocator());
   std::pmr::vector<Key> open(cells.get_allocator());
   while (!rest.empty()) {
-    Cells& group = groups.emplace_back();
+    SeenCells& group = groups.emplace_back();
     open.push_back(rest.begin()->first);
     while (!open.empty()) {
       const Key key = open.back();
@@ -86,12 +86,12 @@ void RecentBlock::note(const Verdict& verdict, const std::optional<double>& beam
   middle.size_m = (box.size_m - kEdge_m * Eigen::Vector3d(1.0, 2.0, 2.0)).cwiseMax(0.0);
 
   blocked_s_ = verdict.stamp_s;
-  Cells hits(memory), large(memory), small(memory), in_middle(memory);
+  SeenCells hits(memory), large(memory), small(memory), in_middle(memory);
   const auto is_near = [&](const Seen& cell) { return isHitIn(cell, box, reach()); };  // large obstacles end beside it
   std::copy_if(newest.seen().begin(), newest.seen().end(), std::back_inserter(hits), is_near);
-  for (const Cells& group : groupsOf(hits, cell_m_)) {
+  for (const SeenCells& group : groupsOf(hits, cell_m_)) {
     const bool is_large = isLarge(group, cell_m_);
-    Cells& kind = is_large ? large : small;
+    SeenCells& kind = is_large ? large : small;
     kind.insert(kind.end(), group.begin(), group.end());
     in_middle.clear();
     std::copy_if(group.begin(), group.end(), std::back_inserter(in_middle),

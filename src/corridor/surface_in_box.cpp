@@ -9,10 +9,10 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kEdge_px = 4.0;          // so far block matching may move a surface's edge
-constexpr double kFarther_px = 1.0;       // so much farther a surface may turn out to be when it is seen from nearer
-constexpr double kUncertainShare = 0.15;  // of a surface's points that may be nearer by noise: about one sigma; of
-                                          // a cell's rays that may have no end
+constexpr double kEdge_px = 4.0;             // so far block matching may move a surface's edge
+constexpr double kFartherFromNear_px = 1.0;  // so much farther a surface may turn out to be when it is seen from nearer
+constexpr double kUncertainShare = 0.15;     // of a surface's points that may be nearer by noise: about one sigma; of
+                                             // a cell's rays that may have no end
 
 }  // namespace
 
@@ -59,7 +59,8 @@ bool SurfaceInBox::isShown(const Eigen::Vector3d& centre_C) {
       const bool is_hit = isInCell(ray * hit_m - centre), crosses = isInCell(ray * centre_C.z() - centre);
       rays += is_hit || crosses;
       hits += is_hit;
-      behind += crosses && !is_hit && hit_m > centre_C.z() && geometry_.shiftedDepth(depth_m, kFarther_px) <= far_m;
+      behind +=
+          crosses && !is_hit && hit_m > centre_C.z() && geometry_.shiftedDepth(depth_m, kFartherFromNear_px) <= far_m;
       if (is_hit && isInBox(ray_C * hit_m)) begins_m_.push_back((T_F_C_ * (ray_C * depth_m)).x());
     }
   }

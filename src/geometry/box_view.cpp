@@ -7,7 +7,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kNearest_m = 1e-3;  // so near nothing is seen, and f*B/Z is a number still
+constexpr double kNearestSeen_m = 1e-3;  // so near nothing is seen, and f*B/Z is a number still
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void BoxView::look(const Box& box_C, double nearest_m) {
     for (int u = 0; u < geometry_.size().width; ++u) {
       const Eigen::Array3d ray_F = T_F_C.linear() * geometry_.point(u, v, 1.0);
       const Eigen::Array3d one_m = to_low / ray_F, other_m = to_high / ray_F;  // depths; NaN along a side
-      const double entry_m = std::max({kNearest_m, nearest_m, one_m.min(other_m).maxCoeff()});
+      const double entry_m = std::max({kNearestSeen_m, nearest_m, one_m.min(other_m).maxCoeff()});
       const double exit_m = one_m.max(other_m).minCoeff();
       const bool meets = entry_m < exit_m;
       constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -9,7 +9,7 @@ namespace {
 
 constexpr unsigned kBlockLevels = 4;  // blocks of 16 x 16 x 16 cells are forgotten together
 constexpr unsigned kBlockCells = 1u << kBlockLevels;
-constexpr unsigned kAllChildren = 0xFF;
+constexpr unsigned kEveryChild = 0xFF;
 
 std::uint64_t packed(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x | y << 16 | z << 32; }
 std::uint64_t packed(const octomap::OcTreeKey& key) { return packed(key[0], key[1], key[2]); }
@@ -111,7 +111,7 @@ void OccupancyMap::addToChildren(const octomap::OcTreeKey& key, unsigned depth, 
 void OccupancyMap::rememberBlocks(const octomap::OcTreeKey& key, unsigned depth, unsigned children) {
   if (depth < EvidenceTree::kDepth - kBlockLevels) {
     for (unsigned i = 0; i < 8; ++i) {
-      if (children >> i & 1u) rememberBlocks(EvidenceTree::childKey(key, depth, i), depth + 1, kAllChildren);
+      if (children >> i & 1u) rememberBlocks(EvidenceTree::childKey(key, depth, i), depth + 1, kEveryChild);
     }
     return;
   }

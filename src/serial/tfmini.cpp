@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kHeader = 0x59;
 constexpr unsigned kTooWeak = 0xffff, kSaturated = 0xfffe, kAmbientLight = 0xfffc;  // -1, -2, -4 in place of a distance
 constexpr unsigned kOverexposed = 0xffff;                                           // in place of a strength
-constexpr double kCentimetres_m = 0.01;
+constexpr double kMetresPerCentimetre = 0.01;
 
 bool checksumHolds(const TfminiReader::Frame& frame) {
   return std::accumulate(frame.begin(), frame.end() - 1, 0u) % 256u == frame.back();
@@ -25,7 +25,7 @@ Measurement parseTfmini(const TfminiReader::Frame& frame) {
   Measurement measurement;
   measurement.strength = strength;
   const bool is_error = distance_cm == kTooWeak || distance_cm == kSaturated || distance_cm == kAmbientLight;
-  if (!is_error && strength != kOverexposed) measurement.range_m = kCentimetres_m * distance_cm;
+  if (!is_error && strength != kOverexposed) measurement.range_m = kMetresPerCentimetre * distance_cm;
   return measurement;
 }
 

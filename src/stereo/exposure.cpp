@@ -11,9 +11,9 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kLargestGain = 4.0;  // between the cameras; more is no exposure, but a covered lens
-constexpr double kFewest = 0.01;      // share of pixels that have a mean
-constexpr double kSameSky = 0.5;      // least ratio of what two cameras clip where they see the same
+constexpr double kLargestGain = 4.0;    // between the cameras; more is no exposure, but a covered lens
+constexpr double kFewestPixels = 0.01;  // share of pixels that have a mean
+constexpr double kSameSky = 0.5;        // least ratio of what two cameras clip where they see the same
 
 /// How many pixels have each grey.
 class Histogram {
@@ -39,7 +39,7 @@ class Histogram {
       squares += share * grey * grey;
       below = above;
     }
-    if (!(n >= kFewest)) return {0.0, 0.0};
+    if (!(n >= kFewestPixels)) return {0.0, 0.0};
     const double mean = sum / n;
     return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
   }

@@ -20,10 +20,8 @@ using Numbers = std::vector<double>;
 
 constexpr double kMetresPerMillimetre = 0.001;
 
-[[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
-
 const std::string& onlyText(const CalibrationTexts& texts) {
-  if (texts.size() != 1) fail("holds both cameras: give it alone");
+  if (texts.size() != 1) throw std::runtime_error("holds both cameras: give it alone");
   return texts.front();
 }
 
@@ -62,10 +60,12 @@ Numbers parse(const std::string& key, std::string text, std::size_t count) {
   for (std::string word; words >> word;) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0' || !std::isfinite(numbers.back())) fail(key + ": '" + word + "' is no finite number");
+    if (*end != '\0' || !std::isfinite(numbers.back()))
+      throw std::runtime_error(key + ": '" + word + "' is no finite number");
   }
   if (numbers.size() == count) return numbers;
-  fail(key + ": holds " + std::to_string(numbers.size()) + " numbers, wanted are " + std::to_string(count));
+  throw std::runtime_error(key + ": holds " + std::to_string(numbers.size()) + " numbers, wanted are " +
+                           std::to_string(count));
 }
 
 class Lines {
@@ -74,7 +74,7 @@ class Lines {
 
   bool has(const std::string& key) const { return values_.count(key) > 0; }
   Numbers numbers(const std::string& key, std::size_t count) const {
-    if (!has(key)) fail("missing: " + key);
+    if (!has(key)) throw std::runtime_error("missing: " + key);
     return parse(key, values_.at(key), count);
   }
   double number(const std::string& key) const { return numbers(key, 1).front(); }
@@ -91,7 +91,7 @@ void requireSize(const std::string& width, const std::string& height, const Numb
   std::ostringstream text;
   text << width << ", " << height << ": it is for images of " << size[0] << "x" << size[1] << ", these are "
        << images.width << "x" << images.height;
-  fail(text.str());
+  throw std::runtime_error(text.str());
 }
 
 /// Where a camera stands: P = K [I | t].
@@ -170,9 +170,9 @@ StereoCameras readZed(const CalibrationTexts& texts, const ImageFormat& images) 
   const Lines lines(onlyText(texts), '=');
   const Resolution* resolution = zedResolution(images.size_px);
   if (!resolution) {
-    fail("a ZED has no images of " + std::to_string(images.size_px.width) + "x" +
-         std::to_string(images.size_px.height) +
-         "; of 2208x1242, 1920x1080, 1280x720, 672x376, 1920x1200 or 960x600 it gives the calibration");
+    throw std::runtime_error(
+        "a ZED has no images of " + std::to_string(images.size_px.width) + "x" + std::to_string(images.size_px.height) +
+        "; of 2208x1242, 1920x1080, 1280x720, 672x376, 1920x1200 or 960x600 it gives the calibration");
   }
   const std::string name = resolution->name;
   // Some files write TY and TZ for each resolution, others once.

@@ -35,7 +35,7 @@ std::string typeOf() {
   return ros::message_traits::datatype<Message>();
 }
 
-constexpr char kLidarFrame[] = "lidar_at_left_camera", kCameraFrame[] = "left_camera";
+constexpr char kLidarFrame[] = "lidar_at_left_camera", kLeftFrame[] = "left_camera";
 
 /// The image of a topic that holds raw or compressed ones; empty where it cannot be decoded.
 sensor_msgs::ImagePtr readAnyImage(const rosbag::Bag& bag, const rosbag::MessageInstance& message) {
@@ -227,7 +227,7 @@ void StereoBagReader::requireTopic(const std::string& topic, const std::string& 
 }
 
 void StereoBagReader::readTransforms() {
-  if (reading_.T_F_L) rectification_.frame = kCameraFrame;
+  if (reading_.T_F_L) rectification_.frame = kLeftFrame;
   const std::vector<std::string> topics{kTransformTopic, kStaticTransformTopic};
   for (const rosbag::MessageInstance& message : rosbag::View(bag_, rosbag::TopicQuery(topics))) {
     transforms_.push_back(
@@ -255,7 +255,7 @@ geometry_msgs::TransformStamped StereoBagReader::mounting() const {
   geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
   const std::string frame =
       flight_corridor_ros::withoutSlash(readAnyImage(bag_, first(bag_, topics_.left))->header.frame_id);
-  mounting.header.frame_id = frame.empty() ? kCameraFrame : frame;
+  mounting.header.frame_id = frame.empty() ? kLeftFrame : frame;
   mounting.header.stamp = rosbag::View(bag_).getBeginTime();
   mounting.child_frame_id = kLidarFrame;
   return mounting;

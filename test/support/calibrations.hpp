@@ -25,4 +25,7 @@ inline StereoCalibration smallCalibration() {
   return calibration;
 }
 
+inline const StereoGeometry kVgaGeometry{vgaCalibration()};
+inline const StereoGeometry kSmallGeometry{smallCalibration()};  // f*B = 21 px m
+
 }  // namespace flight_corridor::test_support

@@ -29,7 +29,11 @@ class ChildProcess {
     execv(arguments[0], arguments.data());
     _exit(127);
   }
+  /// Asks first: a ROS node that is killed stays among the master's publishers.
   ~ChildProcess() {
+    if (process_ <= 0) return;
+    interrupt();
+    wait(kFarewell_s);
     if (process_ <= 0) return;
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
@@ -55,6 +59,7 @@ class ChildProcess {
   }
 
  private:
+  static constexpr double kFarewell_s = 10.0;
   pid_t process_ = -1;
 };
 

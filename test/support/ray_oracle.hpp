@@ -12,6 +12,13 @@
 
 namespace flight_corridor::test_support {
 
+/// Depths as they are, for what is exact.
+inline MapConfig withoutHitBand() {
+  MapConfig config;
+  config.hit_band_px = 0.0;
+  return config;
+}
+
 enum class Cell { Unknown, Free, Occupied };
 
 /// What one depth image says of every cell that a pixel's line touches, found

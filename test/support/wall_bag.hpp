@@ -16,7 +16,7 @@ namespace flight_corridor::test_support {
 using tools::BagRig;
 using tools::StereoBagWriter;
 
-inline const ros::Time kStart(1603715273, 0);
+inline const ros::Time kWallStart(1603715273, 0);
 inline constexpr int kWidth = 160, kHeight = 120;
 inline constexpr double kFocal_px = 90.0, kBaseline_m = 0.12;
 
@@ -40,9 +40,9 @@ class WallBagTest : public testing::Test {
 
   /// Six pairs at 10 Hz of a wall at f*B/disparity, and a LiDAR that sees it.
   void writeWall(int disparity_px) const {
-    StereoBagWriter bag(path(), rig, kStart);
+    StereoBagWriter bag(path(), rig, kWallStart);
     for (int i = 0; i < 6; ++i) {
-      const ros::Time stamp = kStart + ros::Duration(0.1 * i);
+      const ros::Time stamp = kWallStart + ros::Duration(0.1 * i);
       RangeReading reading;
       reading.range_m = kFocal_px * kBaseline_m / disparity_px;
       bag.writeRange(stamp, reading);
