@@ -6,12 +6,14 @@
 
 #include "flight_corridor/geometry/box.hpp"
 #include "ros/processor.hpp"
+#include "support/contains.hpp"
 #include "support/stereo_inputs.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
 using namespace flight_corridor;
+using flight_corridor::test_support::contains;
 using test_support::StereoInputs;
 
 const ros::Time kStart(100, 0);
@@ -64,6 +66,20 @@ class ProcessorTest : public testing::Test {
 TEST_F(ProcessorTest, APairWithoutAStampIsNoData) {
   EXPECT_EQ(see(kFar_m, ros::Time(), 1).reasons, kNoData);
   EXPECT_EQ(see(kFar_m, kStart, 2).state, State::Free);
+}
+
+TEST_F(ProcessorTest, WhoseImagesMissTheSmallestObstacleIsWarned) {
+  const auto warningWith = [this](double smallest_obstacle_m) {
+    config.core.corridor.smallest_obstacle_m = smallest_obstacle_m;
+    Processor sees(config, transforms, inbox);
+    testing::internal::CaptureStderr();
+    sees.process(messages(StereoInputs(kFar_m)));
+    return testing::internal::GetCapturedStderr();
+  };
+  const double f_px = StereoInputs(kFar_m).left_info.P[0];
+  const double narrowest_m = 3.0 / f_px * config.core.corridor.length_m;
+  EXPECT_TRUE(contains(warningWith(0.9 * narrowest_m), "2.7 px wide at the corridor's end"));
+  EXPECT_EQ(warningWith(1.1 * narrowest_m), "");
 }
 
 TEST_F(ProcessorTest, RangesOfOtherFramesAreNotTheLidars) {
