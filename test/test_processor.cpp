@@ -71,9 +71,11 @@ TEST_F(ProcessorTest, APairWithoutAStampIsNoData) {
 TEST_F(ProcessorTest, WhoseImagesMissTheSmallestObstacleIsWarned) {
   const auto warningWith = [this](double smallest_obstacle_m) {
     config.core.corridor.smallest_obstacle_m = smallest_obstacle_m;
-    Processor sees(config, transforms, inbox);
+    Processor fresh(config, transforms, inbox);
+    StereoInputs inputs(kFar_m);
+    inputs.stamp(kStart);
     testing::internal::CaptureStderr();
-    sees.process(messages(StereoInputs(kFar_m)));
+    fresh.process(messages(inputs));
     return testing::internal::GetCapturedStderr();
   };
   const double f_px = StereoInputs(kFar_m).left_info.P[0];
