@@ -60,8 +60,9 @@ Numbers parse(const std::string& key, std::string text, std::size_t count) {
   for (std::string word; words >> word;) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0' || !std::isfinite(numbers.back()))
+    if (*end != '\0' || !std::isfinite(numbers.back())) {
       throw std::runtime_error(key + ": '" + word + "' is no finite number");
+    }
   }
   if (numbers.size() == count) return numbers;
   throw std::runtime_error(key + ": holds " + std::to_string(numbers.size()) + " numbers, wanted are " +
