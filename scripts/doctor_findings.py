@@ -20,8 +20,8 @@ REMEDIES = {
     "NO_DISPARITY": "hardly a match: texture, exposure, rectification, a covered lens, left and right exchanged",
     "RECENTLY_BLOCKED": "something blocked within corridor/hold_s",
     "FROZEN_IMAGE": "images repeat to the last bit: the camera's driver",
-    "UNMATCHED": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",
-    "OUTLINE": "only an outline or scattered points in the box: something bare, or mistakes",
+    "AMBIGUOUS": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",
+    "WEAK_EVIDENCE": "only an outline or scattered points in the box: something bare, or mistakes",
     "LIDAR_NEARER": "the LiDAR met something nearer than stereo sees: glass, its mounting in tf, its unit",
 }
 

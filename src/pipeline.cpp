@@ -203,7 +203,7 @@ void Pipeline::decide() {
 /// What the map says of a box.
 std::uint32_t Pipeline::mapReasons(const CorridorOccupancy& occupancy, const Box& box_M) const {
   const std::uint32_t reasons = reasonsOf(occupancy, config_.corridor.max_unknown_fraction);
-  return reasons & kOccupiedCell || !map_.showsOutline(box_M) ? reasons : reasons | kOutline;
+  return reasons & kOccupiedCell || !map_.showsOutline(box_M) ? reasons : reasons | kWeakEvidence;
 }
 
 /// Why the newest pair's matches are not enough to call a box free.
@@ -214,7 +214,7 @@ std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) co
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
   if (doubt.isIn(view, disparity_, scale(), is_lidar_valid) ||
       mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_lidar_valid, geometry_, &scratch_)) {
-    reasons |= kUnmatched;
+    reasons |= kAmbiguous;
   }
   return reasons;
 }

@@ -298,8 +298,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::NO_RANGE_OBSERVED, kNoRangeObserved},
                                                       {CorridorState::RECENTLY_BLOCKED, kRecentlyBlocked},
                                                       {CorridorState::FROZEN_IMAGE, kFrozenImage},
-                                                      {CorridorState::UNMATCHED, kUnmatched},
-                                                      {CorridorState::OUTLINE, kOutline},
+                                                      {CorridorState::AMBIGUOUS, kAmbiguous},
+                                                      {CorridorState::WEAK_EVIDENCE, kWeakEvidence},
                                                       {CorridorState::LIDAR_NEARER, kLidarNearer}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }

@@ -102,7 +102,7 @@ TEST(PipelineFlights, ABranchNearlyAsGreyAsTheWallBlocks) {
 TEST(PipelineFlights, ALevelBranchThatMayBeInTheBoxIsNotFree) {
   const Verdict verdict = verdictOn("branch", 455, 4.0, 15, kInfinity);
   EXPECT_EQ(verdict.state, State::Unknown);
-  EXPECT_EQ(verdict.reasons & kOutline, kOutline);
+  EXPECT_EQ(verdict.reasons & kWeakEvidence, kWeakEvidence);
 }
 
 /// Its outline alone has matches, and is shorter in pixels than a face is
@@ -162,7 +162,7 @@ TEST(PipelineFlights, ALidarThatMetAPatternDecidesUntilSomethingNearerIsMet) {
     if (meets_nearer) pipeline.addRange(nearer);
     const Report& report = pipeline.process(pair);
     EXPECT_EQ(reasonsOf(report) & kLidarRejected, kLidarRejected);
-    EXPECT_EQ((report.verdict.reasons & kUnmatched) != 0, meets_nearer) << describeReasons(report.verdict.reasons);
+    EXPECT_EQ((report.verdict.reasons & kAmbiguous) != 0, meets_nearer) << describeReasons(report.verdict.reasons);
     EXPECT_EQ(report.verdict.state, meets_nearer ? State::Unknown : State::Free);
   }
 }
@@ -188,7 +188,7 @@ TEST(PipelineFlights, ARailingWhoseBarsFitOnTheWallIsNotFree) {
     for (int i = 4; i >= 0; --i) pipeline.addRange({pair.stamp_s - 0.01 * i, kWall_m, 0.2, 100.0, 0.03});
     const Verdict verdict = pipeline.process(pair).verdict;
     EXPECT_EQ(verdict.state, State::Unknown) << seed << ": " << describeReasons(verdict.reasons);
-    EXPECT_EQ(verdict.reasons & kUnmatched, kUnmatched) << seed;
+    EXPECT_EQ(verdict.reasons & kAmbiguous, kAmbiguous) << seed;
   }
 }
 

@@ -25,8 +25,8 @@ TEST(Verdict, EveryReasonHasItsName) {
       {kNoRangeObserved, "NO_RANGE_OBSERVED"},
       {kRecentlyBlocked, "RECENTLY_BLOCKED"},
       {kFrozenImage, "FROZEN_IMAGE"},
-      {kUnmatched, "UNMATCHED"},
-      {kOutline, "OUTLINE"},
+      {kAmbiguous, "AMBIGUOUS"},
+      {kWeakEvidence, "WEAK_EVIDENCE"},
       {kLidarNearer, "LIDAR_NEARER"},
   };
   std::uint32_t reasons = 0;
@@ -44,7 +44,7 @@ TEST(Verdict, EveryReasonHasItsName) {
 TEST(Verdict, FreeIsWhatIsLeftWhenNoReasonForbidsIt) {
   constexpr std::uint32_t kBlocks = kOccupiedCell | kShortRange;
   constexpr std::uint32_t kHides = kUnobserved | kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity |
-                                   kRecentlyBlocked | kFrozenImage | kUnmatched | kOutline | kLidarNearer;
+                                   kRecentlyBlocked | kFrozenImage | kAmbiguous | kWeakEvidence | kLidarNearer;
   for (std::uint32_t reasons = 0; reasons < 2 * kLidarNearer; ++reasons) {
     const State expected = reasons & kBlocks ? State::Blocked : reasons & kHides ? State::Unknown : State::Free;
     ASSERT_EQ(stateOf(reasons), expected) << describeReasons(reasons);

@@ -34,9 +34,9 @@ enum Reason : std::uint32_t {
       1u << 12,             ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
                             ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
   kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kUnmatched = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
+  kAmbiguous = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
                             ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
-  kOutline = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare obstacle's outline, or
+  kWeakEvidence = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare obstacle's outline, or
                             ///< mistakes.
   kLidarNearer = 1u << 16,  ///< UNKNOWN: the LiDAR met something lastingly nearer than stereo sees, which shows nothing
                             ///< there beside the beam either; or it says that something is too close to be measured.
