@@ -1,7 +1,8 @@
 // What a frame costs from both images in to verdict out, side by side on the same pairs and cores, frame by frame in
 // turn:
 //
-// paper  the paper's chain, config/paper.yaml: SGBM and WLS filter, Kalman fusion, scaled cloud, map, box
+// paper  the paper's chain: SGBM and WLS filter, Kalman fusion with config/paper.yaml, scaled cloud, map, box; map and
+//        box are ours
 // stock  as one would build it from stock parts: SGBM as stereo_image_proc, insertPointCloud, box over the leaves
 // ours   config/default.yaml
 #include <sys/resource.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -20,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "filled_disparity.hpp"
 #include "flight_corridor/pipeline.hpp"
 #include "ros/conversions.hpp"
 #include "stock_octomap.hpp"
@@ -66,22 +69,62 @@ struct Chain {
   std::function<State(const StereoFrame& pair)> judge;
 };
 
+/// Hands the readings up to a pair on, once.
+template <class Sink>
+void addRanges(const Recording& recording, const StereoFrame& pair, std::size_t& next, Sink& sink) {
+  for (; next < recording.ranges.size() && recording.ranges[next].stamp_s <= pair.stamp_s; ++next) {
+    sink.addRange(recording.ranges[next]);
+  }
+}
+
 /// The LiDAR is taken to be the camera.
-Chain pipelineChain(const char* name, const Config& config, const Recording& recording, std::vector<Report>& reports) {
+Chain ourChain(const Recording& recording, std::vector<Report>& reports) {
   const auto pipeline =
-      std::make_shared<Pipeline>(config, *recording.geometry, Rig{opticalFromForward(), opticalFromForward()});
-  return {name, [&, pipeline, next = std::size_t{0}](const StereoFrame& pair) mutable {
-            for (; next < recording.ranges.size() && recording.ranges[next].stamp_s <= pair.stamp_s; ++next) {
-              pipeline->addRange(recording.ranges[next]);
-            }
+      std::make_shared<Pipeline>(Config(), *recording.geometry, Rig{opticalFromForward(), opticalFromForward()});
+  return {"ours", [&, pipeline, next = std::size_t{0}](const StereoFrame& pair) mutable {
+            addRanges(recording, pair, next, *pipeline);
             reports.push_back(pipeline->process(pair));
             return reports.back().verdict.state;
           }};
 }
 
+/// BLOCKED where d_K ends in the box or an occupied cell reaches into it.
+struct PaperChain {
+  PaperChain(const Config& config, const StereoGeometry& rig)
+      : geometry(rig),
+        ranges(config.lidar, config.fusion, config.scale, rig, opticalFromForward()),
+        map(config.map, rig, rig.depth(bench::kDisparities_px)),
+        box(corridorBox(config.corridor, opticalFromForward())) {}
+
+  State judge(const StereoFrame& pair) {
+    filled.compute(pair.left, pair.right, geometry, disparity_px);
+    const double fused_m = ranges.update(pair.stamp_s, disparity_px).range.range_m;
+    correctedDepth(disparity_px, ranges.scale(), geometry, depth_m);
+    map.clear();
+    map.insert(depth_m, Eigen::Isometry3d::Identity(), true);
+    const double occupied_m = cellsIn(map.tree(), box).clear_distance_m;
+    return std::fmin(fused_m, occupied_m) < box.size_m.x() ? State::Blocked : State::Free;
+  }
+
+  StereoGeometry geometry;
+  bench::FilledDisparity filled;
+  RangeTracker ranges;
+  OccupancyMap map;
+  Box box;
+  cv::Mat disparity_px, depth_m;
+};
+
+Chain paperChain(const Config& config, const Recording& recording) {
+  const auto chain = std::make_shared<PaperChain>(config, *recording.geometry);
+  return {"paper", [&, chain, next = std::size_t{0}](const StereoFrame& pair) mutable {
+            addRanges(recording, pair, next, chain->ranges);
+            return chain->judge(pair);
+          }};
+}
+
 Chain stockChain(const Recording& recording) {
   const auto stock = std::make_shared<bench::StockOctomap>(*recording.geometry);
-  const Box box = Corridor(CorridorConfig()).box(opticalFromForward());
+  const Box box = corridorBox(CorridorConfig(), opticalFromForward());
   return {"stock", [stock, box](const StereoFrame& pair) {
             stock->insert(pair.left, pair.right);
             if (stock->empty()) return State::Unknown;
@@ -172,10 +215,10 @@ void printStages(const std::vector<Report>& reports) {
 int compare(const tools::CommandLine& options) {
   const Recording recording = record(options.text("bag"), static_cast<std::size_t>(options.integer("frames", 6)));
   const Config paper = tools::readConfig(options.text("paper"), {}).core;
-  std::vector<Report> paper_reports, reports;
-  const std::array<std::function<Chain()>, 3> makers{
-      [&] { return pipelineChain("paper", paper, recording, paper_reports); }, [&] { return stockChain(recording); },
-      [&] { return pipelineChain("ours", Config(), recording, reports); }};
+  std::vector<Report> reports;
+  const std::array<std::function<Chain()>, 3> makers{[&] { return paperChain(paper, recording); },
+                                                     [&] { return stockChain(recording); },
+                                                     [&] { return ourChain(recording, reports); }};
   std::vector<double> peaks_mib;
   for (const auto& make : makers) peaks_mib.push_back(peakMemory(make, recording));
   std::vector<Chain> chains;

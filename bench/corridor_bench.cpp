@@ -1,11 +1,13 @@
-// Cost of asking the map about a box: the configured corridor for every frame, and any other box by query.
+// Cost of looking at a box: with the eyes of one pair, for every frame, and in what a map remembers.
 #include <benchmark/benchmark.h>
 
 #include <string>
 
+#include "flight_corridor/corridor/box_inspector.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "flight_corridor/stereo/texture.hpp"
 #include "sim/simulation.hpp"
 
 namespace {
@@ -15,22 +17,6 @@ using namespace flight_corridor;
 constexpr std::size_t kFrame = 6;  // nothing is in the box then
 const char* const kScenes[] = {"wall", "forest", "narrow_gap", "side_obstacles"};
 
-/// The map of one exact depth image.
-/// @param T_M_C places the camera along the cells, or across them.
-octomap::OcTree mapOf(const sim::Simulation& simulation, double resolution_m, const Eigen::Isometry3d& T_M_C) {
-  MapConfig config;
-  config.resolution_m = resolution_m;
-  OccupancyMap map(config, StereoGeometry(simulation.calibration()));
-  map.insert(simulation.depth(kFrame), T_M_C);
-  return map.tree();
-}
-
-Eigen::Isometry3d pose(bool across_cells) {
-  Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
-  if (across_cells) T_M_C.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
-  return T_M_C;
-}
-
 sim::Simulation simulationOf(const std::string& scene) {
   sim::SimulationOptions options;
   options.scene = scene;
@@ -39,38 +25,46 @@ sim::Simulation simulationOf(const std::string& scene) {
   return sim::Simulation(options);
 }
 
-/// @param state.range(0..2)  scene, edge of a cell [mm], whether the camera looks across the cells.
+/// What one pair shows of the configured corridor.
 void BM_Corridor(benchmark::State& state) {
   const sim::Simulation simulation = simulationOf(kScenes[state.range(0)]);
-  const Eigen::Isometry3d T_M_C = pose(state.range(2) != 0);
-  const octomap::OcTree map = mapOf(simulation, 1e-3 * static_cast<double>(state.range(1)), T_M_C);
-  const DisparityEstimator estimator(StereoConfig(), StereoGeometry(simulation.calibration()), 0.0);
-  const Corridor corridor((CorridorConfig()));
+  const StereoGeometry geometry(simulation.calibration());
+  const StereoFrame pair = simulation.frame(kFrame);
+  const CorridorConfig config;
+  const ScaleCorrection correction((ScaleConfig()));
+  DisparityEstimator estimator(StereoConfig(), geometry, config.smallest_obstacle_m);
+  Disparity disparity;
+  estimator.estimate(pair, disparity);
+  cv::Mat depth_m;
+  correctedDepth(disparity.best_px, correction, geometry, depth_m);
+  Texture texture;
+  ClearRays rays(geometry);
+  BoxInspector inspector(geometry);
+  const Box box_C = corridorBox(config, opticalFromForward());
   for (auto _ : state) {
-    const ConvexRegion observable_M = T_M_C.inverse().matrix().transpose() * estimator.observable();
+    rays.look(disparity, texture.find(pair.left), correction);
     benchmark::DoNotOptimize(
-        corridor.inspect(map, corridor.box(T_M_C * opticalFromForward()), T_M_C.translation(), observable_M));
+        inspector.inspect(box_C, {pair, disparity, depth_m, texture.mask(), rays, correction, estimator.nearestDepth()},
+                          config.blind_m, config.smallest_obstacle_m, false));
   }
   state.SetLabel(kScenes[state.range(0)]);
 }
-BENCHMARK(BM_Corridor)
-    ->ArgNames({"scene", "cell_mm", "across"})
-    ->Unit(benchmark::kMicrosecond)
-    ->Apply([](auto* corridors) {
-      for (int scene = 0; scene < 4; ++scene) {
-        for (const int cell_mm : {100, 50}) corridors->Args({scene, cell_mm, 0})->Args({scene, cell_mm, 1});
-      }
-    });
+BENCHMARK(BM_Corridor)->ArgName("scene")->DenseRange(0, 3)->Unit(benchmark::kMicrosecond);
 
+/// What a map remembers of a box.
 /// @param state.range(0)  edge of a cubic box across the cells [m], at 0.05 m; 20 m is about the largest that a query
 /// may have.
-void BM_LargeBox(benchmark::State& state) {
+void BM_Cells(benchmark::State& state) {
   const sim::Simulation simulation = simulationOf("forest");
-  const octomap::OcTree map = mapOf(simulation, 0.05, Eigen::Isometry3d::Identity());
-  const Box box{pose(true), Eigen::Vector3d::Constant(static_cast<double>(state.range(0)))};
-  for (auto _ : state) benchmark::DoNotOptimize(inspectBox(map, box, ConvexRegion()));
+  MapConfig config;
+  config.resolution_m = 0.05;
+  OccupancyMap map(config, StereoGeometry(simulation.calibration()));
+  map.insert(simulation.depth(kFrame), Eigen::Isometry3d::Identity());
+  Box box{Eigen::Isometry3d::Identity(), Eigen::Vector3d::Constant(static_cast<double>(state.range(0)))};
+  box.T_M_F.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
+  for (auto _ : state) benchmark::DoNotOptimize(cellsIn(map.tree(), box));
 }
-BENCHMARK(BM_LargeBox)->ArgName("edge_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Cells)->ArgName("edge_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -20,8 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/stereo/cost_minima.hpp"
-#include "flight_corridor/stereo/disparity_evidence.hpp"
+#include "flight_corridor/stereo/disparity_bits.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
 #include "true_stills.hpp"
 
 namespace {
@@ -30,9 +31,9 @@ using namespace flight_corridor;
 using bench::TrueStill;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kDisparities = 128;
+const int kDisparities = StereoConfig().num_disparities_px;
 
-/// OpenCV's matcher, padded as stereo/opencv_matcher.cpp does.
+/// OpenCV's matcher; it skips columns that cannot see its whole search range: padding brings them back.
 class OpenCvMatcher {
  public:
   explicit OpenCvMatcher(double difference_px)
@@ -103,7 +104,8 @@ void printTimes(StereoFrame frame, int repeats) {
   const StereoGeometry geometry({{640, 480}, 400.0, 400.0, 320.0, 240.0, 320.0, 0.12});
   std::printf("%-28s %8s %10s %10s\n", "640 x 480, 128 disparities", "threads", "wall ms", "CPU ms");
   for (const int threads : {1, 2}) {
-    EvidenceMatcher matcher(geometry, kDisparities, threads);
+    cv::setNumThreads(threads);
+    DisparityEstimator matcher(StereoConfig(), geometry, 0.0);
     DisparityEvidence evidence;
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       if (target == HWY_EMU128 || target == HWY_SCALAR) continue;  // a second or more
@@ -111,7 +113,6 @@ void printTimes(StereoFrame frame, int repeats) {
       printTime(hwy::TargetName(target), threads, medianTime(repeats, [&] { matcher.match(frame, evidence); }));
     }
     hwy::SetSupportedTargetsForTest(0);
-    cv::setNumThreads(threads);
     OpenCvMatcher opencv(0.0);
     cv::Mat fixed;
     printTime("OpenCV 3WAY, padded", threads, medianTime(repeats, [&] { opencv.match(frame, fixed); }));
@@ -157,14 +158,17 @@ void addMatches(const TrueStill& still, const cv::Mat& disparity_px, Quality& qu
 }
 
 void addBounds(const TrueStill& still, const DisparityEvidence& evidence, Quality& quality) {
-  constexpr float kNarrow_px = 4.0f + 2.0f * kBoundSlack_px;
+  constexpr double kSlack_px = 1.0;  // half a pixel of rounding, half a pixel of noise
+  const int words = evidence.set.channels() / 8;
+  const double first_px = firstDisparity(StereoGeometry(still.calibration));
   for (int v = 0; v < evidence.flags.rows; ++v) {
     for (int u = 0; u < evidence.flags.cols; ++u) {
       const float truth_px = still.truth_px.at<float>(v, u);
       if (still.visible.at<std::uint8_t>(v, u) != 255 || !std::isfinite(truth_px)) continue;
-      const float farthest_px = evidence.farthest_px.at<float>(v, u), nearest_px = evidence.nearest_px.at<float>(v, u);
-      const bool covered = farthest_px <= truth_px && truth_px <= nearest_px;
-      const bool narrow = nearest_px - farthest_px <= kNarrow_px;
+      const auto* set = reinterpret_cast<const std::uint64_t*>(evidence.set.ptr(v, u));
+      const int farthest = firstBit(set, words), nearest = lastBit(set, words);
+      const bool covered = first_px + farthest - kSlack_px <= truth_px && truth_px <= first_px + nearest + kSlack_px;
+      const bool narrow = nearest - farthest <= 4;
       quality.covered += covered;
       quality.narrow += narrow;
       quality.wrong_narrow += narrow && !covered;
@@ -179,7 +183,7 @@ void printQuality(const std::vector<TrueStill>& stills) {
   Quality own_all, other_all;
   for (const TrueStill& still : stills) {
     const StereoGeometry geometry(still.calibration);
-    EvidenceMatcher matcher(geometry, kDisparities, 2);
+    DisparityEstimator matcher(StereoConfig(), geometry, 0.0);
     DisparityEvidence evidence;
     matcher.match(still.frame, evidence);
     const cv::Mat opencv_px = OpenCvMatcher(geometry.principalPointDifference()).disparity(still.frame);
@@ -204,7 +208,8 @@ int main(int argc, char** argv) {
   printTimes(stills.empty() ? simulated.front().frame : stills.front().frame, repeats);
   std::printf(
       "\n%% of pixels visible in both views; bad: of the matched ones; rms, bias [px] of errors below 1 px;\n"
-      "covered: truth within [farthest, nearest]; narrow: disparities not contradicted not farther apart than 4 px; "
+      "covered: truth within a pixel of the set's bounds; narrow: disparities not contradicted not farther apart than "
+      "4 px; "
       "wrong: of those\n");
   if (stills.empty()) std::printf("no stills in %s\n", data.c_str());
   if (!stills.empty()) printQuality(stills);

@@ -1,10 +1,14 @@
-// How small an obstacle is seen at which distance, how well one close before a wall, one without texture, one whose
-// pattern fits on the wall behind it, and a railing: one stereo pair each, no LiDAR.
+// How small an obstacle is seen at which distance and where on the grid, how well one close before a wall, one without
+// texture, one whose pattern fits on the wall behind it, and a railing: one stereo pair each, no LiDAR.
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <opencv2/core/utility.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,16 +20,12 @@
 namespace {
 
 using namespace flight_corridor;
+using sim::kHalfHeight_m;
+using sim::kHalfWidth_m;
 
-constexpr std::array<double, 6> kSizes_m{0.06, 0.08, 0.10, 0.12, 0.16, 0.20};
-constexpr std::array<double, 4> kDistances_m{2.0, 2.5, 3.0, 3.6};
-constexpr std::array<double, 4> kWidths_m{0.04, 0.06, 0.08, 0.12};
-constexpr std::array<double, 5> kPostDistances_m{3.9, 3.95, 3.98, 4.12, 4.2};
-constexpr std::array<double, 5> kBareSizes_m{0.12, 0.16, 0.20, 0.30, 0.40};
-constexpr std::array<double, 5> kBareDistances_m{0.8, 1.0, 1.4, 2.0, 3.0};
-constexpr std::array<double, 6> kHeights_m{0.03, 0.06, 0.12, 0.25, 0.5, 20.0};
-constexpr std::array<double, 6> kPitches_m{0.06, 0.08, 0.10, 0.12, 0.15, 0.20};
-constexpr std::array<double, 6> kRailingDistances_m{0.8, 1.2, 2.0, 2.5, 3.0, 3.6};
+constexpr double kCell_m = 0.1;      // of the map; the optical axis is a corner
+constexpr double kNearAxis_m = 0.2;  // of the table by places
+constexpr double kCorridorEnd_m = 4.0;
 
 using World = std::vector<sim::Primitive>;
 
@@ -35,15 +35,41 @@ sim::Material anyPaint(sim::Random& random) {
   return sim::textured(random, grey, contrast, 0.16);
 }
 
-/// A ball or a box in the corridor, beside the beam, before a far wall.
-World smallObstacle(double size_m, double distance_m, sim::Random& random) {
-  const double wall_m = random.uniform(5.5, 11.0);
-  const double beside_m = random.eitherSign(0.15, 0.45), above_m = random.uniform(-0.1, 0.1);
+World ballOrBox(double size_m, const Eigen::Vector3d& middle_W, const sim::Material& paint, const sim::Primitive& wall,
+                sim::Random& random) {
+  return {wall, random.chance(0.5) ? sim::makeSphere(middle_W, size_m / 2.0, paint)
+                                   : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+}
+
+/// A textured ball or box before a far wall, at some place left and above of the optical axis.
+World smallObstacle(double size_m, double distance_m, double left_m, double above_m, sim::Random& random) {
+  const sim::Primitive wall = sim::backdrop(random.uniform(5.5, 11.0), sim::masonry(random));
   const sim::Material paint = anyPaint(random);
-  const Eigen::Vector3d middle_W(distance_m + size_m / 2.0, beside_m, sim::kHeight_m + above_m);
-  return {sim::backdrop(wall_m, sim::masonry(random)),
-          random.chance(0.5) ? sim::makeSphere(middle_W, size_m / 2.0, paint)
-                             : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+  return ballOrBox(size_m, {distance_m + size_m / 2.0, left_m, sim::kHeight_m + above_m}, paint, wall, random);
+}
+
+/// The whole of it anywhere in the corridor's cross-section.
+World anywhere(double size_m, double distance_m, sim::Random& random) {
+  const double left_m = random.uniform(-1.0, 1.0) * (kHalfWidth_m - size_m / 2.0);
+  const double above_m = random.uniform(-1.0, 1.0) * (kHalfHeight_m - size_m / 2.0);
+  return smallObstacle(size_m, distance_m, left_m, above_m, random);
+}
+
+/// A coordinate that is a cell's middle or its border, from low to high and either sign.
+double onGrid(bool middle, double low_m, double high_m, sim::Random& random) {
+  const double shift_m = middle ? kCell_m / 2.0 : 0.0;
+  const double index = std::round((random.uniform(low_m, high_m) - shift_m) / kCell_m);
+  return random.sign() * std::max(shift_m, kCell_m * index + shift_m);
+}
+
+/// Its middle on a corner, an edge or the middle of the cells' cross-sections, near the axis or farther away.
+World onCell(double size_m, std::size_t column, sim::Random& random) {
+  const std::size_t place = column % 3;  // 0 corner, 1 edge, 2 middle
+  const bool turn = random.chance(0.5), is_near = column < 3;
+  const double left_m = onGrid(place == 2 || (place == 1 && turn), is_near ? 0.0 : kNearAxis_m,
+                               is_near ? kNearAxis_m : kHalfWidth_m - kCell_m, random);
+  const double above_m = onGrid(place == 2 || (place == 1 && !turn), 0.0, kHalfHeight_m - kCell_m, random);
+  return smallObstacle(size_m, random.uniform(1.0, 3.8), left_m, above_m, random);
 }
 
 /// A round or a square post in the corridor, beside the beam, before a wall beyond the corridor's end.
@@ -57,18 +83,17 @@ World postBeforeWall(double width_m, double distance_m, sim::Random& random) {
                              : sim::makeBox({middle_m, beside_m, 2.0}, {width_m, width_m, 4.0}, paint)};
 }
 
-/// A ball or a box of one grey, of which 8 cm are in the corridor, from the left or right, before a far wall.
+/// A ball or a box of one grey whose middle is anywhere in the corridor, before a far wall.
 World bareObstacle(double size_m, double distance_m, sim::Random& random) {
-  constexpr double kHalfWidth_m = 0.6, kInside_m = 0.08, kContrast = 0.1;
-  const sim::Material wall = sim::masonry(random);
-  double grey = wall.grey;
-  while (std::abs(grey - wall.grey) < kContrast) grey = random.uniform(0.1, 0.85);
-  const double side_m = random.sign() * (kHalfWidth_m - kInside_m + size_m / 2.0);
-  const Eigen::Vector3d middle_W(distance_m + size_m / 2.0, side_m, sim::kHeight_m + random.uniform(-0.1, 0.1));
-  const sim::Material paint = sim::plain(grey);
-  return {sim::backdrop(random.uniform(5.5, 11.0), wall),
-          random.chance(0.5) ? sim::makeSphere(middle_W, size_m / 2.0, paint)
-                             : sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), paint)};
+  constexpr double kContrast = 0.1;
+  const sim::Material material = sim::masonry(random);
+  double grey = material.grey;
+  while (std::abs(grey - material.grey) < kContrast) grey = random.uniform(0.1, 0.85);
+  const double left_m = random.uniform(-kHalfWidth_m, kHalfWidth_m);
+  const double above_m = random.uniform(-kHalfHeight_m, kHalfHeight_m);
+  const sim::Primitive wall = sim::backdrop(random.uniform(5.5, 11.0), material);
+  return ballOrBox(size_m, {distance_m + size_m / 2.0, left_m, sim::kHeight_m + above_m}, sim::plain(grey), wall,
+                   random);
 }
 
 /// A board of upright stripes without end in the corridor, before a far wall. As many of their periods as one, two or
@@ -104,46 +129,125 @@ World railing(double pitch_m, double distance_m, sim::Random& random) {
   return world;
 }
 
-/// A row for each size, a column for each distance.
-template <class Sizes, class Distances, class Build>
-void printVerdicts(const char* title, const Sizes& sizes_m, const Distances& distances_m, int obstacles,
-                   const Build& build) {
-  std::printf("FREE / UNKNOWN / BLOCKED of %d %s\n%6s |", obstacles, title, "size");
-  for (const double distance_m : distances_m) std::printf("   %.2f m   |", distance_m);
+/// Builds the world of a row's size and a column, which is a distance or a number.
+using Build = World (*)(double size_m, double column, sim::Random&);
+
+struct Table {
+  const char* name;
+  const char* title;
+  std::vector<double> sizes_m;
+  std::vector<double> columns;
+  std::vector<std::string> headings;  ///< Of the columns; none: these are distances.
+  Build build;
+
+  bool isFree(double column) const { return headings.empty() && column > kCorridorEnd_m; }
+};
+
+const std::vector<Table>& tables() {
+  static const std::vector<Table> kTables{
+      {"places",
+       "balls and boxes, anywhere in the corridor, by distance",
+       {0.06, 0.08, 0.10, 0.12},
+       {1.0, 1.5, 2.0, 2.5, 3.0, 3.4, 3.8},
+       {},
+       anywhere},
+      {"cells",
+       "balls and boxes, 1.0 to 3.8 m ahead, by what of the grid's cells their middle is on, and how far beside the "
+       "axis",
+       {0.06, 0.08, 0.10, 0.12},
+       {0, 1, 2, 3, 4, 5},
+       {"corner<0.2", "edge<0.2", "middle<0.2", "corner>0.2", "edge>0.2", "middle>0.2"},
+       [](double size_m, double column, sim::Random& random) {
+         return onCell(size_m, static_cast<std::size_t>(column), random);
+       }},
+      {"posts",
+       "posts, 0.25 to 0.7 m before a wall; the corridor ends at 4 m",
+       {0.04, 0.06, 0.08, 0.12},
+       {3.9, 3.95, 3.98, 4.12, 4.2},
+       {},
+       postBeforeWall},
+      {"bare",
+       "bare balls and boxes, the middle anywhere in the corridor",
+       {0.12, 0.16, 0.20, 0.30, 0.40},
+       {0.6, 0.8, 1.0, 1.4, 2.0, 3.0},
+       {},
+       bareObstacle},
+      {"boards",
+       "striped boards, by height, whose stripes fit on the wall behind the corridor",
+       {0.03, 0.06, 0.12, 0.25, 0.5, 20.0},
+       {2.0, 2.5, 3.0, 3.6},
+       {},
+       stripedBoard},
+      {"railings",
+       "railings, by the pitch of their bars",
+       {0.06, 0.08, 0.10, 0.12, 0.15, 0.20},
+       {0.8, 1.2, 2.0, 2.5, 3.0, 3.6},
+       {},
+       railing}};
+  return kTables;
+}
+
+using Counts = std::array<int, 3>;  // by State
+
+Counts judge(const Table& table, double size_m, double column, int obstacles) {
+  static const StereoGeometry kGeometry(sim::defaultRig().calibration);
+  std::array<std::atomic<int>, 3> counts{};
+  cv::parallel_for_(cv::Range(1, obstacles + 1), [&](const cv::Range& seeds) {
+    for (int seed = seeds.start; seed < seeds.end; ++seed) {
+      sim::Random random(static_cast<std::uint64_t>(seed), sim::Stream::Scene);
+      const World world = table.build(size_m, column, random);
+      Pipeline pipeline(Config(), kGeometry, Rig());
+      const State state = pipeline.process(sim::stillPair(world, static_cast<std::uint64_t>(seed))).verdict.state;
+      ++counts.at(static_cast<std::size_t>(state));
+    }
+  });
+  return {counts[0], counts[1], counts[2]};
+}
+
+int of(const Counts& counts, State state) { return counts[static_cast<std::size_t>(state)]; }
+
+void printHeadings(const Table& table) {
+  std::printf("  size |");
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.headings.empty()) {
+      std::printf("     %.2f m    |", table.columns[i]);
+    } else {
+      std::printf(" %-13s |", table.headings[i].c_str());
+    }
+  }
   std::printf("\n");
-  const StereoGeometry geometry(sim::defaultRig().calibration);
-  for (const double size_m : sizes_m) {
-    std::printf("%.2f m |", size_m);
-    for (const double distance_m : distances_m) {
-      std::array<int, 3> counts{};
-      for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(obstacles); ++seed) {
-        sim::Random random(seed, sim::Stream::Scene);
-        const StereoFrame pair = sim::stillPair(build(size_m, distance_m, random), seed);
-        Pipeline pipeline(Config(), geometry, Rig());
-        ++counts.at(static_cast<std::size_t>(pipeline.process(pair).verdict.state));
-      }
-      std::printf(" %2d / %2d / %2d |", counts[static_cast<std::size_t>(State::Free)],
-                  counts[static_cast<std::size_t>(State::Unknown)], counts[static_cast<std::size_t>(State::Blocked)]);
+}
+
+/// A row for each size; in each cell how many are FREE, their share, and how many UNKNOWN.
+void print(const Table& table, int obstacles) {
+  std::printf("%s, %d each: FREE, their share, UNKNOWN\n", table.title, obstacles);
+  printHeadings(table);
+  Counts blocked{}, free{};
+  for (const double size_m : table.sizes_m) {
+    std::printf("%5.2f m|", size_m);
+    for (const double column : table.columns) {
+      const Counts counts = judge(table, size_m, column, obstacles);
+      Counts& sum = table.isFree(column) ? free : blocked;
+      for (std::size_t i = 0; i < sum.size(); ++i) sum.at(i) += counts.at(i);
+      std::printf(" %3d %4.0f %% %3d |", of(counts, State::Free), 100.0 * of(counts, State::Free) / obstacles,
+                  of(counts, State::Unknown));
       std::fflush(stdout);
     }
     std::printf("\n");
   }
+  std::printf(
+      "total of %s: truly blocked: %d FREE, %d UNKNOWN, %d BLOCKED; truly free: %d FREE, %d UNKNOWN, %d BLOCKED\n\n",
+      table.name, of(blocked, State::Free), of(blocked, State::Unknown), of(blocked, State::Blocked),
+      of(free, State::Free), of(free, State::Unknown), of(free, State::Blocked));
 }
 
 }  // namespace
 
+/// small_things [OBSTACLES [TABLE...]]: so many in each cell; all tables, or those named.
 int main(int argc, char** argv) {
   const int obstacles = argc > 1 ? std::atoi(argv[1]) : 20;
-  printVerdicts("balls and boxes each", kSizes_m, kDistances_m, obstacles, smallObstacle);
-  std::printf("\n");
-  printVerdicts("posts each, 0.25 to 0.7 m before a wall (the corridor ends at 4 m)", kWidths_m, kPostDistances_m,
-                obstacles, postBeforeWall);
-  std::printf("\n");
-  printVerdicts("bare balls and boxes each, 8 cm of them in the corridor", kBareSizes_m, kBareDistances_m, obstacles,
-                bareObstacle);
-  std::printf("\n");
-  printVerdicts("striped boards each, by height, whose stripes fit on the wall behind the corridor", kHeights_m,
-                kDistances_m, obstacles, stripedBoard);
-  std::printf("\n");
-  printVerdicts("railings each, by the pitch of their bars", kPitches_m, kRailingDistances_m, obstacles, railing);
+  const std::vector<std::string> wanted(argv + std::min(argc, 2), argv + argc);
+  for (const Table& table : tables()) {
+    if (wanted.empty() || std::count(wanted.begin(), wanted.end(), table.name) > 0) print(table, obstacles);
+  }
 }

@@ -16,14 +16,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/ximgproc/disparity_filter.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "filled_disparity.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/range_fusion.hpp"
@@ -40,7 +39,6 @@ using tools::ResultRow;
 
 constexpr std::array<double, 9> kDistances_m{2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 8.0};  // D; D_min is 4
 constexpr std::array<int, 8> kPoints{1, 10, 20, 40, 60, 80, 120, 160};                      // N; OctoMap's own is 1
-using bench::kDisparities_px;
 const CorridorConfig kCorridor;
 
 template <typename Work>
@@ -49,34 +47,6 @@ double milliseconds(const Work& work) {
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
-
-/// Filled disparity with the settings of OpenCV's sample disparity_filtering.cpp.
-class FilledDisparity {
- public:
-  FilledDisparity() {
-    matcher_->setP1(24 * 3 * 3);
-    matcher_->setP2(96 * 3 * 3);
-    matcher_->setPreFilterCap(63);
-    matcher_->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
-    filter_ = cv::ximgproc::createDisparityWLSFilter(matcher_);
-    filter_->setLambda(8000.0);
-    filter_->setSigmaColor(1.5);
-    right_matcher_ = cv::ximgproc::createRightMatcher(matcher_);
-  }
-
-  void compute(const cv::Mat& left, const cv::Mat& right, const StereoGeometry& geometry, cv::Mat& disparity_px) {
-    matcher_->compute(left, right, left_fixed_);
-    right_matcher_->compute(right, left, right_fixed_);
-    filter_->filter(left_fixed_, left, filled_fixed_, right_fixed_);
-    bench::toPixels(filled_fixed_, geometry, disparity_px);
-  }
-
- private:
-  cv::Ptr<cv::StereoSGBM> matcher_ = cv::StereoSGBM::create(0, kDisparities_px, 3);
-  cv::Ptr<cv::StereoMatcher> right_matcher_;
-  cv::Ptr<cv::ximgproc::DisparityWLSFilter> filter_;
-  cv::Mat left_fixed_, right_fixed_, filled_fixed_;
-};
 
 /// The corridor's face at D_min on the left image: the paper's window.
 cv::Rect window(const StereoGeometry& geometry) {
@@ -180,8 +150,8 @@ class Yardsticks {
   inline static const FusionConfig kFusion = paperFusion();
   StereoGeometry geometry_;
   cv::Rect window_;
-  Box box_ = Corridor(kCorridor).box(opticalFromForward());
-  FilledDisparity filled_;
+  Box box_ = corridorBox(kCorridor, opticalFromForward());
+  bench::FilledDisparity filled_;
   bench::StockOctomap octomap_{geometry_};
   RangeFusion fusion_{kFusion};
   cv::Mat disparity_px_;

@@ -11,17 +11,17 @@ SAME_S = 1e-6           # stamps that differ by less are equal
 
 # Bits of CorridorState.reasons that make UNKNOWN, and what to look at.
 REMEDIES = {
-    "UNOBSERVED": "too much of the box is not seen: bare surfaces, or a box beside the view "
-                  "(corridor/frame_id, offset_m)",
+    "UNOBSERVED": "a hole in the box, in which nothing shows it clear: textureless surfaces, plain sky, glare, dusk; "
+                  "or a box beside the view (corridor/frame_id, offset_m)",
     "NO_DATA": "no pair, or too old: see the images and the clocks",
     "NO_POSE": "tf lacks a frame that the configuration names (map/frame_id, corridor/frame_id)",
     "BAD_IMAGE": "wrong size or encoding, or one camera on both topics: the node's log says which",
     "BAD_CALIBRATION": "CameraInfo is impossible: the node's log says which number",
     "NO_DISPARITY": "hardly a match: texture, exposure, rectification, a covered lens, left and right exchanged",
     "RECENTLY_BLOCKED": "something blocked within corridor/hold_s",
-    "FROZEN_IMAGE": "images repeat to the last bit: the camera's driver",
+    "FROZEN_IMAGE": "images repeat bit for bit: the camera's driver",
     "AMBIGUOUS": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",
-    "WEAK_EVIDENCE": "only an outline or scattered points in the box: something bare, or mistakes",
+    "WEAK_EVIDENCE": "a small patch of matches in the box: the edge of something textureless, or a mistake",
     "LIDAR_NEARER": "the LiDAR met something nearer than stereo sees: glass, its mounting in tf, its unit",
 }
 

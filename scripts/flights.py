@@ -42,7 +42,7 @@ class Flight:
         self.arguments = ["--scene", family, "--seed", seed, *options]
         program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor_sim")
         self.folder = CACHE / f"{family}_{seed}_{digest(program, *options)}"
-        self.truth = self.folder / "truth.csv"
+        self.truth, self.bag = self.folder / "truth.csv", self.folder / "flight.bag"
 
     def result(self, judge, file):
         return self.folder / judge.key / file
@@ -55,9 +55,7 @@ class Flight:
         self.folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=self.folder) as name:  # what is moved out of it is whole
             scratch = pathlib.Path(name)
-            bag = self.folder / "flight.bag"
-            if not bag.exists():
-                bag = self._simulate(scratch, keep_bag)
+            bag = self.bag if self.bag.exists() else self._simulate(scratch, keep_bag)
             for judge in missing:
                 verdicts = scratch / judge.key
                 verdicts.mkdir()
@@ -68,7 +66,15 @@ class Flight:
         bag, truth = scratch / "flight.bag", scratch / "truth.csv"
         run_tool("simulate", *self.arguments, "--out", bag, "--truth", truth)
         truth.rename(self.truth)
-        return bag.rename(self.folder / bag.name) if keep_bag else bag
+        return bag.rename(self.bag) if keep_bag else bag
+
+    def simulated(self):
+        """@return its bag, which stays."""
+        if not self.bag.exists():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=self.folder) as scratch:
+                self._simulate(pathlib.Path(scratch), True)
+        return self.bag
 
 
 def fly_all(flights, judges, jobs, keep_bags):

@@ -1,6 +1,15 @@
 """Tables of verdicts held against truth: rows of `evaluate --csv` as Markdown and CSV."""
 
 import csv
+import io
+
+from tools import run_tool
+
+
+def score_files(name, pairs):
+    """@param pairs of files: verdicts, and their truth"""
+    words = [word for result, truth in pairs for word in ("--result", result, "--truth", truth)]
+    return {"name": name, **next(csv.DictReader(io.StringIO(run_tool("evaluate", "--csv", *words))))}
 
 
 def share(row, name, total):
@@ -51,10 +60,10 @@ LEGEND = ("False FREE and false BLOCKED: frames (share, 95 % Wilson interval as 
           "a verdict, which `fails:` counts.")
 
 
-def markdown(title, rows):
+def markdown(title, rows, columns=tuple(COLUMNS)):
     """A table whose first column, named by the title, is the rows' name."""
-    cells = [[title] + [heading for heading, _ in COLUMNS]]
-    cells += [[row["name"]] + [cell(row) for _, cell in COLUMNS] for row in rows]
+    cells = [[title] + [heading for heading, _ in columns]]
+    cells += [[row["name"]] + [cell(row) for _, cell in columns] for row in rows]
     widths = [max(map(len, column)) for column in zip(*cells)]
     cells.insert(1, ["-" * width for width in widths])
     return "\n".join("| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths)) + " |" for line in cells)

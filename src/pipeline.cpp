@@ -8,17 +8,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include "flight_corridor/corridor/railing.hpp"
-#include "flight_corridor/geometry/cross_sections.hpp"
+#include "flight_corridor/geometry/section.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
-    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kDisagreement | kLidarNearer;
+    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kNoDisparity | kDisagreement | kLidarNearer;
 
-constexpr double kLatestSight = 0.75;  // of the corridor: of its last quarter, the end, all has to be known
+constexpr double kLatestSight = 0.75;    // of the corridor: of its last quarter, the end, most has to be known
+constexpr double kMostUnknown = 0.1;     // of a box that is asked about
+constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -33,14 +34,20 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-MapConfig ofOneImage(MapConfig config) {
-  config.frame_id.clear();
-  return config;
-}
-
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
   return config;
+}
+
+/// Share of a box nearer than a depth, or behind the camera, by its slices along its axis.
+double shareNearer(const Box& box_C, double depth_m) {
+  constexpr int kSlices = 64;
+  int nearer = 0;
+  for (int i = 0; i < kSlices; ++i) {
+    const double along_m = box_C.size_m.x() * (i + 0.5) / kSlices;
+    nearer += !((box_C.T_M_F * Eigen::Vector3d(along_m, 0.0, 0.0)).z() >= depth_m);
+  }
+  return static_cast<double>(nearer) / kSlices;
 }
 
 /// A baseline in another unit, or too few disparities: what stereo sees begins where the corridor is all but over.
@@ -61,9 +68,13 @@ void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity
   if (std::isnan(met_px)) return;
   float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
   const std::size_t pixels = disparity.best_px.total();
+  std::size_t confirmed = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
-    if (std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0) std::swap(best_px[i], repeated_px[i]);
+    if (!(std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0)) continue;
+    std::swap(best_px[i], repeated_px[i]);
+    ++confirmed;
   }
+  disparity.matched_fraction += static_cast<double>(confirmed) / static_cast<double>(pixels);
 }
 
 }  // namespace
@@ -75,12 +86,11 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, nearestDepth()),
-      corridor_(config.corridor),
-      recent_block_(config.corridor.hold_s, config.map.resolution_m),
-      box_view_(geometry),
-      doubt_(geometry, config.corridor.smallest_obstacle_m) {
+      rays_(geometry),
+      inspector_(geometry),
+      query_inspector_(geometry),
+      recent_block_(config.corridor.hold_s) {
   requireSight(config.corridor, geometry, nearestDepth());
-  if (!config.map.frame_id.empty()) frame_map_.emplace(ofOneImage(config.map), geometry, nearestDepth());
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -108,14 +118,13 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
     correctedDepth(disparity_.best_px, scale(), geometry_, depth_m_);
   }
   {
-    const Stopwatch stage(report_.times.map_ms);
-    doubts_ = doubts(boxInCamera(), box_view_, doubt_);
-    report_.clears = isTrusted();
-    updateMap();
-  }
-  {
     const Stopwatch stage(report_.times.corridor_ms);
     decide();
+  }
+  {
+    const Stopwatch stage(report_.times.map_ms);
+    is_map_current_ = is_cleared_ = false;
+    if (remembers()) updateMap();
   }
   return report_;
 }
@@ -145,15 +154,16 @@ void Pipeline::trackRange() {
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and
 /// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing (the beam clears
 /// its own cells): what the map calls free is believed by others, and later.
-bool Pipeline::isTrusted() const { return image_faults_ == 0 && doubts_ == 0 && !report_.lidar_is_nearer; }
+bool Pipeline::isTrusted() const {
+  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
+}
 
-void Pipeline::updateMap() {
-  if (config_.map.frame_id.empty()) {
-    map_.clear();
-  } else {
+void Pipeline::updateMap() const {
+  is_map_current_ = true;
+  if (remembers()) {
     map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
-    frame_map_->clear();
-    frame_map_->insert(depth_m_, Eigen::Isometry3d::Identity(), report_.clears);
+  } else {
+    map_.clear();
   }
   map_.insert(depth_m_, T_M_C_, report_.clears);
   if (const double range_m = report_.range.range_m;
@@ -162,61 +172,47 @@ void Pipeline::updateMap() {
   }
 }
 
-/// What was ever seen in the box and is not known to have gone blocks it; only what this frame shows makes it free.
-CorridorOccupancy Pipeline::inspectCorridor() const {
-  const ConvexRegion observable_C = disparity_estimator_.observable();
-  const ConvexRegion observable_M = T_M_C_.inverse().matrix().transpose() * observable_C;
-  const auto inspect = [&](const OccupancyMap& map, const Eigen::Isometry3d& T_M_C, const Box& box,
-                           const ConvexRegion& observable) {
-    SurfaceInBox surface(config_.map, geometry_, depth_m_, report_.scale_sigma, T_M_C, box, &scratch_);
-    return corridor_.inspect(
-        map.tree(), box, T_M_C.translation(), observable,
-        [&](const Eigen::Vector3d& cell_centre, double near_m) { return surface.begin(cell_centre, near_m); });
-  };
-  CorridorOccupancy occupancy = inspect(map_, T_M_C_, box(), observable_M);
-  if (frame_map_) {
-    const CorridorOccupancy now = inspect(*frame_map_, Eigen::Isometry3d::Identity(), boxInCamera(), observable_C);
-    occupancy.clear_distance_m = std::min(occupancy.clear_distance_m, now.clear_distance_m);
-    occupancy.unknown_fraction = std::max(occupancy.unknown_fraction, now.unknown_fraction);
-  }
-  return occupancy;
+const OccupancyMap& Pipeline::map() const {
+  if (!is_map_current_) updateMap();
+  return map_;
 }
 
+PairEvidence Pipeline::evidence() const {
+  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, scale(), nearestDepth()};
+}
+
+/// What was ever seen in the box and is not known to have gone blocks it; only what this frame shows makes it free.
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
-  const CorridorOccupancy occupancy = inspectCorridor();
-  const std::optional<double> beam_end_m = beamEndInBox();
-  verdict.clear_distance_m = std::min(occupancy.clear_distance_m, beam_end_m.value_or(kInfinity));
-  verdict.unknown_fraction = occupancy.unknown_fraction;
-
-  verdict.reasons = mapReasons(occupancy, box()) | doubts_ | reasonsOf(report_);
+  const CorridorConfig& corridor = config_.corridor;
+  const Box box_C = boxInCamera();
+  const double smallest_m = smallestInspected(corridor);
+  BandWorkers& workers = disparity_estimator_.workers();
+  workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
+  rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
+  const BoxEvidence& shown =
+      inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, !std::isnan(validLidarDepth(box_C)), workers);
+  box_reasons_ = reasonsOf(shown, corridor, verdict.clear_distance_m);
+  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) box_reasons_ |= kNoDisparity;
+  verdict.unknown_fraction = shown.unobserved.fraction;
+  verdict.reasons = box_reasons_ | reasonsOf(report_);
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  if (beam_end_m) verdict.reasons |= kShortRange;
+  const auto block = [&](Reason reason, double distance_m) {
+    verdict.reasons |= reason;
+    verdict.clear_distance_m = std::min(verdict.clear_distance_m, distance_m);
+  };
+  if (const std::optional<double> beam_end_m = beamEndInBox(box_C)) block(kShortRange, *beam_end_m);
+  if (remembers()) {
+    const double remembered_m = cellsIn(map_.tree(), box()).clear_distance_m;
+    if (std::isfinite(remembered_m)) block(kOccupiedCell, remembered_m);
+  }
   if (stateOf(verdict.reasons) == State::Blocked) {
-    recent_block_.note(verdict, beam_end_m, frameMap(), boxInCamera(), &scratch_);
-  } else if (recent_block_.mayRemain(verdict.stamp_s, frameMap(), boxInCamera())) {
+    recent_block_.onBlocked(verdict, shown.patches, smallest_m);
+  } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
     verdict.reasons |= kRecentlyBlocked;
   }
   verdict.state = stateOf(verdict.reasons);
-}
-
-/// What the map says of a box.
-std::uint32_t Pipeline::mapReasons(const CorridorOccupancy& occupancy, const Box& box_M) const {
-  const std::uint32_t reasons = reasonsOf(occupancy, config_.corridor.max_unknown_fraction);
-  return reasons & kOccupiedCell || !map_.showsOutline(box_M) ? reasons : reasons | kWeakEvidence;
-}
-
-/// Why the newest pair's matches are not enough to call a box free.
-std::uint32_t Pipeline::doubts(const Box& box_C, BoxView& view, Doubt& doubt) const {
-  const bool is_lidar_valid = !std::isnan(validLidarDepth(box_C));
-  view.look(box_C, config_.corridor.blind_m);
-  std::uint32_t reasons = 0;
-  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) reasons |= kNoDisparity;
-  if (doubt.isIn(view, disparity_, scale(), is_lidar_valid) ||
-      mayBeRailing(box_C, pair_, depth_m_, nearestDepth(), is_lidar_valid, geometry_, &scratch_)) {
-    reasons |= kAmbiguous;
-  }
-  return reasons;
+  report_.clears = isTrusted();
 }
 
 /// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
@@ -231,33 +227,52 @@ double Pipeline::validLidarDepth(const Box& box_C) const {
 
 Verdict Pipeline::query(const Box& box) const {
   throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
-  const CorridorOccupancy occupancy = inspectBox(map_.tree(), box, ConvexRegion());
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
-  verdict.clear_distance_m = occupancy.clear_distance_m;
-  verdict.unknown_fraction = occupancy.unknown_fraction;
-
-  verdict.reasons = mapReasons(occupancy, box) | (report_.verdict.reasons & kMapInDoubt);
-  if (std::isnan(verdict.stamp_s)) verdict.reasons |= kNoData;
-  if (stateOf(verdict.reasons) != State::Blocked && !depth_m_.empty()) {
-    BoxView view(geometry_);
-    Doubt doubt(geometry_, config_.corridor.smallest_obstacle_m);
-    verdict.reasons |= doubts(inCamera(box), view, doubt);
+  verdict.clear_distance_m = kInfinity;
+  verdict.reasons = report_.verdict.reasons & kMapInDoubt;
+  if (std::isnan(verdict.stamp_s) || depth_m_.empty()) {
+    verdict.reasons |= kNoData;
+    return verdict;
   }
+  const Box box_C{T_M_C_.inverse() * box.T_M_F, box.size_m};
+  const BoxEvidence& shown =
+      query_inspector_.inspect(box_C, evidence(), kNearestAsked_m, smallestInspected(config_.corridor),
+                               !std::isnan(validLidarDepth(box_C)), disparity_estimator_.workers());
+  verdict.reasons |= reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
+  const Unobserved& unobserved = shown.unobserved;
+  verdict.unknown_fraction = unobserved.out_of_view + (1.0 - unobserved.out_of_view) * unobserved.fraction;
+  const double too_near = shareNearer(box_C, kNearestAsked_m);
+  verdict.unknown_fraction = too_near + (1.0 - too_near) * verdict.unknown_fraction;
+  if (const std::optional<double> beam_end_m = beamEndInBox(box_C)) {
+    verdict.reasons |= kShortRange;
+    verdict.clear_distance_m = std::min(verdict.clear_distance_m, *beam_end_m);
+  }
+  if (is_cleared_)
+    verdict.unknown_fraction = std::max(verdict.unknown_fraction, cellsIn(map_.tree(), box).unknown_fraction);
+  if (remembers()) {
+    const BoxCells remembered = cellsIn(map().tree(), box);
+    if (!is_cleared_) verdict.unknown_fraction = std::min(verdict.unknown_fraction, remembered.unknown_fraction);
+    if (std::isfinite(remembered.clear_distance_m)) {
+      verdict.reasons |= kOccupiedCell;
+      verdict.clear_distance_m = std::min(verdict.clear_distance_m, remembered.clear_distance_m);
+    }
+    if (!hasHole(unobserved, config_.corridor)) verdict.reasons &= ~kUnobserved;  // memory says the rest
+  }
+  if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
   verdict.state = stateOf(verdict.reasons);
   return verdict;
 }
 
 /// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the
 /// paper, carried to the volume. While the sensors disagree the nearer one rules.
-std::optional<double> Pipeline::beamEndInBox() const {
+std::optional<double> Pipeline::beamEndInBox(const Box& box) const {
   double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
-  if (report_.range.dissent) {
-    range_m = std::fmin(range_m, report_.range.dissent->range_m);
+  if (report_.range.disagreement) {
+    range_m = std::fmin(range_m, report_.range.disagreement->range_m);
     nearest_m = std::fmin(nearest_m, range_m);
   }
   if (!std::isfinite(nearest_m)) return std::nullopt;
-  const Box box = boxInCamera();
   const bool ends_inside =
       contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
   if (!ends_inside) return std::nullopt;  // a large sigma reaches behind the box
@@ -270,10 +285,8 @@ void Pipeline::setCorridor(const CorridorConfig& corridor) {
   throwIfBroken(check(changed));
   requireSight(corridor, geometry_, nearestDepth());
   config_ = changed;
-  corridor_ = Corridor(corridor);
   recent_block_.setHold(corridor.hold_s);
   disparity_estimator_.setSmallestObstacle(corridor.smallest_obstacle_m);
-  doubt_.setSmallestObstacle(corridor.smallest_obstacle_m);
 }
 
 void Pipeline::takeOver(const Pipeline& before) {

@@ -9,6 +9,8 @@
 namespace flight_corridor {
 namespace {
 
+constexpr double kMatchSigma_px = 0.1;
+
 using test_support::kVgaGeometry;
 
 Eigen::Isometry3d besideTheCamera() {
@@ -22,7 +24,7 @@ cv::Mat wallDisparity(double depth_m) {
 }
 
 TEST(BeamFootprint, ThePixelMovesWithRangeTowardsTheVanishingPoint) {
-  const BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera(), kMatchSigma_px);
   const Eigen::Vector2d principal(319.5, 239.5);
   const double near = (beam.at(1.0, 0.02)->centre_px - principal).norm();
   const double far = (beam.at(8.0, 0.02)->centre_px - principal).norm();
@@ -32,12 +34,12 @@ TEST(BeamFootprint, ThePixelMovesWithRangeTowardsTheVanishingPoint) {
 TEST(BeamFootprint, DepthUndoesRange) {
   Eigen::Isometry3d T_C_L = besideTheCamera();
   T_C_L.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
-  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L);
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L, kMatchSigma_px);
   for (const double range : {0.5, 2.0, 7.0}) EXPECT_NEAR(beam.range(beam.depth(range)), range, 1e-12);
 }
 
 TEST(BeamFootprint, ReadsTheWallsRangeFromAnyGuess) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera(), kMatchSigma_px);
   for (const double guess : {kNaN, 0.6, 3.1, 50.0}) {
     const auto reading = beam.read(wallDisparity(3.0), guess, 0.04);
     ASSERT_TRUE(reading) << guess;
@@ -47,7 +49,7 @@ TEST(BeamFootprint, ReadsTheWallsRangeFromAnyGuess) {
 }
 
 TEST(BeamFootprint, AMedianWithstandsOutliers) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera(), kMatchSigma_px);
   cv::Mat disparity = wallDisparity(3.0);
   for (int v = 0; v < disparity.rows; v += 3) disparity.row(v).setTo(100.0);
   const auto reading = beam.read(disparity, 3.0, 0.1);
@@ -56,7 +58,7 @@ TEST(BeamFootprint, AMedianWithstandsOutliers) {
 }
 
 TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera(), kMatchSigma_px);
   const double radius_px = beam.at(3.0, 0.04)->radius_px;
   const auto all = static_cast<double>(beam.matchesBeside(wallDisparity(3.0), 3.0, 0.04).size());
   EXPECT_NEAR(all, 9.0 * M_PI * radius_px * radius_px, 0.02 * all);
@@ -73,12 +75,12 @@ TEST(BeamFootprint, GivesWhatIsMatchedBesideTheBeam) {
 }
 
 TEST(BeamFootprint, WithoutEnoughMatchesThereIsNoReading) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, besideTheCamera(), kMatchSigma_px);
   EXPECT_FALSE(beam.read(cv::Mat(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kNaN)), 3.0, 0.04));
 }
 
 TEST(BeamFootprint, TwoSurfacesWidenTheSpread) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward(), kMatchSigma_px);
   cv::Mat disparity = wallDisparity(6.0);
   disparity.colRange(0, 321).setTo(kVgaGeometry.disparity(3.0));
   const auto reading = beam.read(disparity, 3.0, 0.1);
@@ -89,7 +91,7 @@ TEST(BeamFootprint, TwoSurfacesWidenTheSpread) {
 
 TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
   cv::Mat disparity_px = wallDisparity(4.0);
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward(), kMatchSigma_px);
   const auto reading = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->unity, 1.0);
@@ -102,7 +104,7 @@ TEST(BeamFootprint, ASurfaceIsOneWhereNoOtherIsAround) {
 }
 
 TEST(BeamFootprint, SurfacesThatAreMetresApartFarAwayAreTwo) {
-  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward());
+  BeamFootprint beam(LidarConfig(), kVgaGeometry, opticalFromForward(), kMatchSigma_px);
   cv::Mat disparity_px = wallDisparity(12.0);
   const auto reading = beam.read(disparity_px, kNaN, 0.0);
   ASSERT_TRUE(reading);
@@ -117,7 +119,7 @@ TEST(BeamFootprint, SurfacesThatAreMetresApartFarAwayAreTwo) {
 TEST(BeamFootprint, OutsideTheImageThereIsNoFootprint) {
   Eigen::Isometry3d T_C_L = opticalFromForward();
   T_C_L.translation().x() = 1.0;  // metres to the right: the beam enters the view only far ahead
-  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L);
+  const BeamFootprint beam(LidarConfig(), kVgaGeometry, T_C_L, kMatchSigma_px);
   EXPECT_FALSE(beam.at(0.5, 0.02));
   EXPECT_TRUE(beam.at(5.0, 0.02));
 }
@@ -141,8 +143,10 @@ TEST(BeamFootprint, ABeamEndsInViewOrElsewhere) {
 
 TEST(BeamFootprint, RefusesABeamThatLooksElsewhere) {
   EXPECT_TRUE(BeamFootprint::looksAhead(opticalFromForward()));
-  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, Eigen::Isometry3d::Identity()), std::invalid_argument);
-  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, opticalFromForward().inverse()), std::invalid_argument);
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, Eigen::Isometry3d::Identity(), kMatchSigma_px),
+               std::invalid_argument);
+  EXPECT_THROW(BeamFootprint(LidarConfig(), kVgaGeometry, opticalFromForward().inverse(), kMatchSigma_px),
+               std::invalid_argument);
 }
 
 }  // namespace

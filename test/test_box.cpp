@@ -78,5 +78,20 @@ TEST(Box, ItAndACubeMeetExactlyWhenASharedPointExists) {
   EXPECT_LT(met, 1900);
 }
 
+TEST(Box, NoPointInItIsFartherThanItsFarthestCorner) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(-0.5, 0.5);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Box box{randomPose(random, 3.0), {4.0, 1.2, 0.4}};
+    double farthest_m = -kInfinity;
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d share(0.5 + unit(random), unit(random), unit(random));
+      farthest_m = std::max(farthest_m, (box.T_M_F * box.size_m.cwiseProduct(share)).z());
+    }
+    EXPECT_LE(farthest_m, farthestCorner(box));
+    EXPECT_GT(farthest_m, farthestCorner(box) - 1.5) << "and not far behind all of it";
+  }
+}
+
 }  // namespace
 }  // namespace flight_corridor

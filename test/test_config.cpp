@@ -12,7 +12,7 @@ TEST(Config, DefaultsBreakNoRule) { EXPECT_TRUE(check(Config()).empty()); }
 TEST(Config, EveryBrokenRuleIsReportedAtOnceWithKeyAndValue) {
   Config config;
   config.corridor.width_m = -1.0;
-  config.stereo.opencv.block_size_px = 4;
+  config.stereo.num_disparities_px = 40;
   config.map.resolution_m = kNaN;
   try {
     throwIfBroken(check(config));
@@ -21,7 +21,7 @@ TEST(Config, EveryBrokenRuleIsReportedAtOnceWithKeyAndValue) {
     const std::string text = error.what();
     EXPECT_NE(text.find("corridor/width_m"), std::string::npos);
     EXPECT_NE(text.find("(-1)"), std::string::npos);
-    EXPECT_NE(text.find("stereo/block_size_px"), std::string::npos);
+    EXPECT_NE(text.find("stereo/num_disparities_px"), std::string::npos);
     EXPECT_NE(text.find("map/resolution_m"), std::string::npos);
   }
 }

@@ -246,6 +246,7 @@ TEST(ToDisparityImage, GivesTheDepthThatTheGeometryGives) {
   EXPECT_LT(image->image.at<float>(0, 0), message.min_disparity);
   EXPECT_EQ(message.min_disparity, 0.0f);  // also where cx_right - cx_left is not 0
   EXPECT_NEAR(message.max_disparity, 125.0f, 1e-3f);
+  EXPECT_EQ(message.delta_d, 1.0f / 64.0f);  // the matcher's step
   EXPECT_EQ(message.image.header.frame_id, "left");
   EXPECT_TRUE(std::isnan(disparity.at<float>(0, 0)));
 }

@@ -7,16 +7,21 @@ namespace {
 
 constexpr int kWords = 4;
 
-TEST(DisparityBits, CountsThoseBetween) {
+TEST(DisparityBits, FindsTheFirstAndTheLastOnEitherSideOfAPlace) {
   std::uint64_t set[kWords] = {};
-  for (int bit = 0; bit < 64 * kWords; bit += 3) set[bit / 64] |= std::uint64_t{1} << bit % 64;
-  for (int first = -70; first <= 64 * kWords + 70; ++first) {
-    for (int last = -70; last <= 64 * kWords + 70; ++last) {
-      int bits = 0;
-      for (int bit = 0; bit < 64 * kWords; bit += 3) bits += first <= bit && bit <= last;
-      ASSERT_EQ(bitsBetween(set, kWords, first, last), bits) << first << " " << last;
+  for (const int bit : {5, 63, 64, 130, 191}) set[bit / 64] |= std::uint64_t{1} << bit % 64;
+  const auto holds = [&](int place) { return set[place / 64] >> place % 64 & 1u; };
+  for (int place = -70; place <= 64 * kWords + 70; ++place) {
+    int first = 64 * kWords, last = -1;
+    for (int bit = 0; bit < 64 * kWords; ++bit) {
+      if (holds(bit) && bit >= place && first == 64 * kWords) first = bit;
+      if (holds(bit) && bit <= place) last = bit;
     }
+    EXPECT_EQ(firstBitFrom(set, kWords, place), first) << place;
+    EXPECT_EQ(lastBitTo(set, kWords, place), last) << place;
   }
+  EXPECT_EQ(firstBit(set, kWords), 5);
+  EXPECT_EQ(lastBit(set, kWords), 191);
 }
 
 }  // namespace

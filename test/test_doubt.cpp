@@ -5,10 +5,11 @@
 #include <opencv2/core.hpp>
 
 #include "flight_corridor/corridor/doubt.hpp"
-#include "flight_corridor/stereo/cost_minima.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
+#include "flight_corridor/stereo/semi_global_matcher.hpp"
 #include "support/calibrations.hpp"
 #include "support/corridor_box.hpp"
+#include "support/evidence.hpp"
 
 namespace flight_corridor {
 namespace {
@@ -23,26 +24,13 @@ constexpr int kInTheBox_px = 10;  // at 2.1 m
 const cv::Point kMiddle(160, 120);
 
 /// A wall behind the box of which everything is certain.
-DisparityEvidence certainWall() {
-  DisparityEvidence evidence;
-  const auto map = [](float value) { return cv::Mat(kSmallGeometry.size(), CV_32FC1, cv::Scalar(value)); };
-  evidence.best_px = map(kWall_px);
-  evidence.repeated_px = map(NAN);
-  evidence.farthest_px = map(kWall_px - 1.0f);
-  evidence.nearest_px = map(kWall_px + 1.0f);
-  evidence.competitor_farthest_px = map(NAN);
-  evidence.competitor_nearest_px = map(NAN);
-  evidence.flags = cv::Mat(kSmallGeometry.size(), CV_8UC1, cv::Scalar(kConsistent | kDistinct));
-  evidence.set = cv::Mat::zeros(kSmallGeometry.size(), CV_8UC(16));
-  return evidence;
-}
+DisparityEvidence certainWall() { return test_support::uniformEvidence(kSmallGeometry.size(), kWall_px); }
 
 /// Where a set has a disparity.
 int placeOf(int disparity_px) { return disparity_px - static_cast<int>(firstDisparity(kSmallGeometry)); }
 
 /// Pixels whose set holds another disparity, too.
 void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evidence) {
-  evidence.nearest_px(pixels).setTo(disparity_px + 1.0);
   for (int v = pixels.y; v < pixels.br().y; ++v) {
     for (int u = pixels.x; u < pixels.br().x; ++u) {
       reinterpret_cast<std::uint64_t*>(evidence.set.ptr(v, u))[placeOf(disparity_px) / 64] |=
@@ -54,7 +42,7 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
 bool isIn(const DisparityEvidence& evidence, bool is_lidar_valid = false, const Box& box = kCorridor) {
   BoxView view(kSmallGeometry);
   view.look(box, kBlind_m);
-  return Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid);
+  return Doubt(kSmallGeometry).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid, kSmallest_m);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
@@ -91,22 +79,22 @@ TEST(Doubt, PixelsOfDifferentDisparitiesOrApartAreNoPatch) {
 }
 
 /// Pixels matched in the box of which a pattern has other places, too.
-void repeat(const cv::Rect& pixels, float farthest_px, DisparityEvidence& evidence) {
+void repeat(const cv::Rect& pixels, int farthest_px, DisparityEvidence& evidence) {
   addToSet(pixels, kInTheBox_px, evidence);
   evidence.best_px(pixels).setTo(NAN);
   evidence.repeated_px(pixels).setTo(kInTheBox_px);
-  evidence.competitor_farthest_px(pixels).setTo(farthest_px);
-  evidence.competitor_nearest_px(pixels).setTo(farthest_px);
+  evidence.competitor_farthest(pixels).setTo(placeOf(farthest_px));
+  evidence.competitor_nearest(pixels).setTo(placeOf(farthest_px));
   evidence.flags(pixels).setTo(kConsistent | kDistinct | kCompetitor);
 }
 
 TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
   for (const bool is_lidar_valid : {false, true}) {
     DisparityEvidence evidence = certainWall();
-    repeat(smallest(), 4.0f, evidence);
+    repeat(smallest(), 4, evidence);
     EXPECT_TRUE(isIn(evidence, is_lidar_valid));
     evidence = certainWall();
-    repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4.0f, evidence);
+    repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4, evidence);
     EXPECT_FALSE(isIn(evidence, is_lidar_valid)) << "a smaller patch, which may be behind";
   }
 }
@@ -114,7 +102,7 @@ TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
 TEST(Doubt, RepeatedMatchesAllOfWhosePlacesAreInTheBoxNeedNotTouch) {
   DisparityEvidence evidence = certainWall();
   for (int i = 0; i < smallest().area(); ++i) {
-    repeat({kMiddle + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px - 1.0f, evidence);
+    repeat({kMiddle + cv::Point(2 * i, 0), cv::Size(1, 1)}, kInTheBox_px - 1, evidence);
   }
   EXPECT_TRUE(isIn(evidence));
 }
@@ -146,8 +134,8 @@ TEST(Doubt, WhatIsMatchedInTheBoxOrNotAtAllIsNone) {
 TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
   DisparityEvidence evidence = certainWall();
   const cv::Rect patch = smallest();
-  evidence.competitor_nearest_px(patch).setTo(kInTheBox_px);
-  evidence.competitor_farthest_px(patch).setTo(kInTheBox_px);
+  evidence.competitor_nearest(patch).setTo(placeOf(kInTheBox_px));
+  evidence.competitor_farthest(patch).setTo(placeOf(kInTheBox_px));
   EXPECT_FALSE(isIn(evidence)) << "not flagged";
   evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
   EXPECT_TRUE(isIn(evidence));
@@ -158,10 +146,10 @@ TEST(Doubt, OfCompetitorsOnBothSidesOfTheBoxOneMayBeInIt) {
   DisparityEvidence evidence = certainWall();
   const cv::Rect patch(kMiddle, cv::Size(20, 8));
   evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
-  evidence.competitor_farthest_px(patch).setTo(1.0);
-  evidence.competitor_nearest_px(patch).setTo(2.0);
+  evidence.competitor_farthest(patch).setTo(placeOf(1));
+  evidence.competitor_nearest(patch).setTo(placeOf(2));
   EXPECT_FALSE(isIn(evidence)) << "both behind";
-  evidence.competitor_nearest_px(patch).setTo(110.0);  // nearer than the blind distance
+  evidence.competitor_nearest(patch).setTo(placeOf(110));  // nearer than the blind distance
   EXPECT_TRUE(isIn(evidence));
 }
 
@@ -174,7 +162,7 @@ TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
   BoxView view(kSmallGeometry);
   view.look(kCorridor, kBlind_m);
-  EXPECT_TRUE(Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, correction, false));
+  EXPECT_TRUE(Doubt(kSmallGeometry).isIn(view, evidence, correction, false, kSmallest_m));
   EXPECT_FALSE(isIn(evidence));
 }
 
@@ -183,7 +171,7 @@ TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
   BoxView view(kSmallGeometry);
   view.look(kCorridor, 0.0);
-  EXPECT_TRUE(Doubt(kSmallGeometry, kSmallest_m).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false));
+  EXPECT_TRUE(Doubt(kSmallGeometry).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false, kSmallest_m));
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
@@ -191,8 +179,8 @@ TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
   BoxView view(kSmallGeometry);
   view.look(kCorridor, kBlind_m);
-  Doubt doubt(kSmallGeometry, kSmallest_m);
-  doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false);
+  Doubt doubt(kSmallGeometry);
+  doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false, kSmallest_m);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
 }

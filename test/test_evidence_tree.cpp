@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <random>
-#include <set>
 #include <tuple>
 
 #include "flight_corridor/map/evidence_tree.hpp"
@@ -84,11 +83,6 @@ class AnEvidenceTree : public ::testing::Test {
     return key(x, y, z);
   }
 
-  void add(const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
-    const unsigned child = octomap::computeChildIdx(cube, static_cast<int>(kLeaf - depth));
-    tree_.addToChildren(cube, depth - 1, 1u << child, log_odds);
-  }
-
   std::mt19937 random_{17};
   EvidenceTree tree_{0.1};
 };
@@ -100,7 +94,7 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
       const octomap::OcTreeKey cube = anyCell();
       const unsigned depth = kLeaf - below(3);
       const float log_odds = below(2) ? 2.0f : -0.7f;
-      add(cube, depth, log_odds);
+      tree_.add(cube, depth, log_odds);
       addTo(cells, cube, depth, log_odds);
     }
     tree_.settle();
@@ -117,7 +111,7 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
 }
 
 TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
-  tree_.addToChildren(key(5, 5, 5), 15, 0xFF, 2.0f);
+  for (unsigned i = 0; i < 8; ++i) tree_.add(EvidenceTree::childKey(key(5, 5, 5), 15, i), kLeaf, 2.0f);
   tree_.settle();
   unsigned depth = 0;
   ASSERT_NE(tree_.search(key(5, 5, 5)), nullptr);
@@ -128,19 +122,19 @@ TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
 
 TEST_F(AnEvidenceTree, ForgettingAllOfItLeavesNothing) {
   tree_.forget(key(0, 0, 0), key(9, 9, 9));  // of an empty tree: no harm
-  add(key(3, 3, 3), kLeaf, 2.0f);
-  add(key(8, 3, 3), 14, -0.7f);
+  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
+  tree_.add(key(8, 3, 3), 14, -0.7f);
   tree_.forget(octomap::OcTreeKey(0, 0, 0), octomap::OcTreeKey(65535, 65535, 65535));
   EXPECT_EQ(tree_.size(), 0u);
   EXPECT_EQ(tree_.getRoot(), nullptr);
-  add(key(3, 3, 3), kLeaf, 2.0f);
+  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
   tree_.settle();
   EXPECT_EQ(tree_.size(), 17u);
 }
 
 TEST_F(AnEvidenceTree, ForgettingACellMovesTheTreesBounds) {
-  add(key(0, 3, 3), kLeaf, 2.0f);
-  add(key(9, 3, 3), kLeaf, 2.0f);
+  tree_.add(key(0, 3, 3), kLeaf, 2.0f);
+  tree_.add(key(9, 3, 3), kLeaf, 2.0f);
   tree_.settle();
   const auto highest = [this] {
     double x, y, z;
@@ -150,24 +144,6 @@ TEST_F(AnEvidenceTree, ForgettingACellMovesTheTreesBounds) {
   const double before = highest();
   tree_.forget(key(9, 3, 3), key(9, 3, 3));
   EXPECT_NEAR(highest(), before - 9 * tree_.getResolution(), 1e-6);
-}
-
-TEST_F(AnEvidenceTree, ATreeBuiltAnewIsMadeOfTheOldNodes) {
-  const auto nodesOfNewTree = [&] {
-    tree_.clear();
-    std::mt19937 random(3);
-    for (int i = 0; i < 500; ++i) {
-      const unsigned x = random() % kSide, y = random() % kSide;
-      add(key(x, y, 0), kLeaf, i % 2 ? 2.0f : -0.7f);
-    }
-    tree_.settle();
-    std::set<const octomap::OcTreeNode*> nodes;
-    for (auto node = tree_.begin_tree(); node != tree_.end_tree(); ++node) nodes.insert(&*node);
-    return nodes;
-  };
-  const auto first = nodesOfNewTree();
-  EXPECT_GT(first.size(), 100u);
-  EXPECT_EQ(nodesOfNewTree(), first);
 }
 
 }  // namespace

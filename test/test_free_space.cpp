@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
-#include <vector>
+#include <map>
 
 #include "flight_corridor/map/free_space.hpp"
 #include "support/calibrations.hpp"
@@ -19,27 +19,19 @@ struct Extent {
   double cells = 0.0, nearest_m = kInfinity, farthest_m = 0.0;
 };
 
-FreeSpace::FreeCubes joined(const std::vector<FreeSpace::FreeCubes>& lists) {
-  FreeSpace::FreeCubes all;
-  for (const FreeSpace::FreeCubes& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
-}
-
 Extent findBefore(const cv::Mat& depth_m, double nearest_m = 0.0) {
   const MapConfig config;
   FreeSpace free_space(config, kSmallGeometry, nearest_m);
   Extent found;
-  for (const FreeSpace::FreeChildren& cube : joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()))) {
-    EXPECT_TRUE(cube.children != 0xFFu || cube.depth == FreeSpace::kBlockDepth) << "cubes of a block are joined";
-    for (unsigned i = 0; i < 8; ++i) {
-      if ((cube.children >> i & 1u) == 0) continue;
-      const int edge_cells = 1 << (EvidenceTree::kDepth - cube.depth - 1);
-      const int first_z = EvidenceTree::childKey(cube.key, cube.depth, i)[2] - 32768;
-      const int last_z = first_z + edge_cells;
-      found.nearest_m = std::min(found.nearest_m, first_z * config.resolution_m);
-      found.cells += std::pow(edge_cells, 3);
-      found.farthest_m = std::max(found.farthest_m, last_z * config.resolution_m);
-    }
+  std::map<std::array<int, 4>, int> siblings;  // by their parent
+  for (const FreeSpace::Cube& cube : free_space.find(depth_m, Eigen::Isometry3d::Identity())) {
+    const int edge_cells = 1 << (EvidenceTree::kDepth - cube.depth), first_z = cube.key[2] - EvidenceTree::kKeyOrigin;
+    found.nearest_m = std::min(found.nearest_m, first_z * config.resolution_m);
+    found.farthest_m = std::max(found.farthest_m, (first_z + edge_cells) * config.resolution_m);
+    found.cells += std::pow(edge_cells, 3);
+    const auto parent = [&](int axis) { return cube.key[axis] / (2 * edge_cells); };
+    const std::array<int, 4> family{parent(0), parent(1), parent(2), edge_cells};
+    EXPECT_LT(++siblings[family], 8) << "eight are one";
   }
   return found;
 }
@@ -72,31 +64,11 @@ TEST(FreeSpace, IsMostOfTheViewBeforeAWall) {
   EXPECT_GT(free_m3, 0.75 * view_m3);  // cells on the border of the view are left out
 }
 
-TEST(FreeSpace, IsTheSameForAnyNumberOfThreads) {
-  const cv::Mat depth_m = test_support::wallDepth(kSmallGeometry.size(), 4.0);
-  const auto found_by = [&](int threads) {
-    const int usual = cv::getNumThreads();
-    cv::setNumThreads(threads);
-    FreeSpace free_space(MapConfig(), kSmallGeometry, 0.0);
-    const FreeSpace::FreeCubes cubes = joined(free_space.find(depth_m, Eigen::Isometry3d::Identity()));
-    cv::setNumThreads(usual);
-    return cubes;
-  };
-  const FreeSpace::FreeCubes by_one = found_by(1), by_four = found_by(4);
-  ASSERT_GT(by_one.size(), 0u);
-  ASSERT_EQ(by_one.size(), by_four.size());
-  for (std::size_t i = 0; i < by_one.size(); ++i) {
-    EXPECT_EQ(by_one[i].key, by_four[i].key);
-    EXPECT_EQ(by_one[i].depth, by_four[i].depth);
-    EXPECT_EQ(by_one[i].children, by_four[i].children);
-  }
-}
-
 TEST(FreeSpace, FindsNothingOfTheImageBefore) {
   FreeSpace free_space(MapConfig(), kSmallGeometry, 0.0);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-  EXPECT_GT(joined(free_space.find(test_support::wallDepth(kSmallGeometry.size(), 4.0), here)).size(), 0u);
-  EXPECT_EQ(joined(free_space.find(test_support::wallDepth(kSmallGeometry.size(), kNaN), here)).size(), 0u);
+  EXPECT_GT(free_space.find(test_support::wallDepth(kSmallGeometry.size(), 4.0), here).size(), 0u);
+  EXPECT_EQ(free_space.find(test_support::wallDepth(kSmallGeometry.size(), kNaN), here).size(), 0u);
 }
 
 TEST(FreeSpace, IsNoneWithoutRays) {

@@ -29,26 +29,15 @@ TEST(HitRule, AFullFaceIsAsLargeAsItsCell) {
   EXPECT_NEAR(kRule.face(firstAtLeast(std::pow(cellPixels(2.5f), 2)), 2.5f), 1.0, 0.01);
 }
 
-TEST(HitRule, ATwelfthOfAFaceIsNoMistake) {
-  for (const float depth_m : {0.6f, 1.3f, 4.0f}) {
-    const std::uint32_t enough = firstAtLeast(0.08 * std::pow(cellPixels(depth_m), 2));
-    EXPECT_TRUE(kRule.isUncertain(enough, depth_m)) << depth_m;
-    EXPECT_FALSE(kRule.isUncertain(enough - 1, depth_m)) << depth_m;
-  }
-}
-
-TEST(HitRule, AFewPointsFarAwayAreNeither) {
+TEST(HitRule, AFewPointsFarAwayAreNone) {
   const auto few = static_cast<std::uint32_t>(MapConfig().min_hit_points) - 1;
   EXPECT_FALSE(kRule.isHit(few, 100.0f));
-  EXPECT_FALSE(kRule.isUncertain(few, 100.0f));
   EXPECT_TRUE(kRule.isHit(few + 1, 100.0f));
 }
 
 TEST(HitRule, BehindTheCameraNothingIsHit) {
   EXPECT_FALSE(kRule.isHit(10000, -1.0f));
   EXPECT_FALSE(kRule.isHit(10000, 0.0f));
-  EXPECT_FALSE(kRule.isUncertain(10000, -1.0f));
-  EXPECT_FALSE(kRule.isUncertain(10000, 0.0f));
 }
 
 }  // namespace

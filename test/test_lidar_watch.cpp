@@ -22,7 +22,6 @@ TEST(LidarWatch, KnowsNothingBeforeTheFirstReading) {
   const LidarWatch watch;
   EXPECT_TRUE(std::isnan(watch.range(1.0, 0.5)));
   EXPECT_FALSE(watch.isRejected());
-  EXPECT_FALSE(watch.repeatsItself());
   EXPECT_FALSE(watch.isSlow(1.0));
   EXPECT_EQ(watch.beamWidth(), 0.0);
 }
@@ -70,16 +69,6 @@ TEST(LidarWatch, ItsRangeIsValidWhileNothingButFartherSurfacesIsNotBelieved) {
     nearer.add(reading(1.3, other_m), false);
     EXPECT_FALSE(nearer.hasValidRange(1.5, 0.5)) << other_m;
   }
-}
-
-TEST(LidarWatch, NoticesWhatRepeatsToTheLastBit) {
-  LidarWatch watch;
-  feed(watch, 0.0, 1.0, 100.0);
-  EXPECT_FALSE(watch.repeatsItself());
-  for (int i = 0; i < 4; ++i) watch.add(reading(1.0 + 0.01 * i, 7.0), true);
-  EXPECT_TRUE(watch.repeatsItself());
-  watch.add(reading(1.1, 6.9), true);
-  EXPECT_FALSE(watch.repeatsItself());
 }
 
 TEST(LidarWatch, NoticesWithinHalfASecondThatTheRateFell) {

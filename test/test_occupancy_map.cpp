@@ -76,22 +76,6 @@ TEST(OccupancyMap, ASpeckleIsNoHitWhereAFaceWouldShowManyPoints) {
   EXPECT_NE(cellAt(map, kSmallGeometry.point(164, 124, 0.45)), Cell::Occupied);
 }
 
-TEST(OccupancyMap, PointsThatMakeNoHitAreAnOutlineTooFewAreMistakes) {
-  const double cell_px = 0.1 * kSmallGeometry.calibration().fx_px;  // at 1 m
-  const Box ahead{opticalFromForward(), {2.0, 1.2, 0.4}}, before_it{opticalFromForward(), {0.8, 1.2, 0.4}};
-  const auto shows = [&](int width_px, const Box& box) {
-    cv::Mat depth = wallDepth(kSmallGeometry.size(), 6.0);
-    depth(cv::Rect(160, 110, width_px, static_cast<int>(3.0 * cell_px))).setTo(1.0);
-    OccupancyMap map(MapConfig(), kSmallGeometry);
-    map.insert(depth, Eigen::Isometry3d::Identity());
-    EXPECT_NE(cellAt(map, kSmallGeometry.point(161, 112, 0.99)), Cell::Occupied);
-    return map.showsOutline(box);
-  };
-  EXPECT_TRUE(shows(2, ahead));
-  EXPECT_FALSE(shows(1, ahead)) << "too few points";
-  EXPECT_FALSE(shows(2, before_it)) << "beyond the box";
-}
-
 /// Tilted planes and balls at random places, seen along their pixels.
 cv::Mat randomDepth(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -196,6 +180,14 @@ TEST(OccupancyMap, WhatIsSeenAfterClearingIsForgottenToo) {
   EXPECT_EQ(map.tree().size(), 0u);
 }
 
+TEST(OccupancyMap, AllOfABeamIsForgotten) {
+  OccupancyMap map(inFixedFrame(), kSmallGeometry);
+  map.keepAround({0, 0, 0}, 0.0);
+  map.insertBeam({1.55, 1.55, -2.05}, {1.55, 1.55, 3.15});  // the last cells of a block are in it
+  map.keepAround({0, 0, 0}, MapConfig().forget_s + 1.0);
+  EXPECT_EQ(map.tree().size(), 0u);
+}
+
 TEST(OccupancyMap, ACameraThatFliesOnNeedsNoMoreMemory) {
   OccupancyMap map(inFixedFrame(), kSmallGeometry);
   std::size_t most = 0, most_later = 0;
@@ -221,17 +213,6 @@ TEST(OccupancyMap, ClearingABoxLeavesItUnknown) {
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 2.45}), Cell::Unknown);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.45}), Cell::Free);
   EXPECT_EQ(cellAt(map, {1.05, 0.05, 2.45}), Cell::Free);
-}
-
-TEST(OccupancyMap, WhatWasSeenInACellIsGivenByItsPoints) {
-  OccupancyMap map(withoutHitBand(), kSmallGeometry);
-  map.insert(wallDepth(kSmallGeometry.size(), 2.05), Eigen::Isometry3d::Identity());
-  ASSERT_FALSE(map.seen().empty());
-  std::size_t whole = 0;
-  for (const OccupancyMap::Seen& cell : map.seen()) {
-    whole += cell.is_hit && std::abs(cell.face - 1.0f) < 0.3f;
-  }
-  EXPECT_GT(whole, map.seen().size() / 2);
 }
 
 TEST(OccupancyMap, ClearForgetsEverything) {

@@ -57,10 +57,6 @@ TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
                              "range/scale_correction", "config", "map/map_config", "corridor/corridor"}) {
     declared.merge(fieldsIn(std::string(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/") + module + ".hpp"));
   }
-  for (std::string key : fieldsIn(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/stereo/opencv_matcher.hpp")) {
-    declared.insert(key.replace(0, std::string("opencv").size(), "stereo"));  // in the same section
-  }
-  declared.erase("stereo/opencv");
   declared.erase("node/core");
   declared.erase("node/ros");
   std::set<std::string> bound;
@@ -94,12 +90,7 @@ TEST(Params, NoValuesGiveTheDefaults) { EXPECT_EQ(toValues(makeConfig({})), toVa
 
 /// A value of a key that is not its default, and that no rule forbids.
 Value otherThan(const std::string& key, const Value& value) {
-  static const Values chosen = {{"stereo/engine", std::string("opencv")},
-                                {"stereo/num_disparities_px", 64},
-                                {"stereo/mode", std::string("hh")},
-                                {"stereo/block_size_px", 5},
-                                {"map/log_odds_min", -1.9},
-                                {"ros/scale", 0.5}};
+  static const Values chosen = {{"stereo/num_disparities_px", 64}, {"map/log_odds_min", -1.9}, {"ros/scale", 0.5}};
   if (const auto found = chosen.find(key); found != chosen.end()) return found->second;
   if (const bool* flag = std::get_if<bool>(&value)) return !*flag;
   if (const int* integer = std::get_if<int>(&value)) return *integer + 1;

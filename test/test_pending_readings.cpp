@@ -66,6 +66,7 @@ TEST(PendingReadings, WithoutAPairTheMemoryIsBounded) {
   const std::vector<int> taken = readings.take(100.0);
   ASSERT_FALSE(taken.empty());
   EXPECT_EQ(taken.back(), 99999);
+  EXPECT_GT(readings.refused(), 80000u) << "what gave way is counted";
 }
 
 }  // namespace

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
-#include "sim/random.hpp"
 #include "sim/rig.hpp"
-#include "sim/scene_parts.hpp"
 #include "sim/still.hpp"
+#include "support/masonry.hpp"
 
 // Laws that hold of every scene, on rendered stereo pairs.
 
@@ -16,6 +15,8 @@ namespace flight_corridor {
 namespace {
 
 using World = std::vector<sim::Primitive>;
+using test_support::cubeAt;
+using test_support::masonryAt;
 
 /// A scene before a textured wall.
 struct Place {
@@ -24,15 +25,7 @@ struct Place {
   World world;
 };
 
-World wall(double x_m) {
-  sim::Random random(1, sim::Stream::Scene);
-  return {sim::backdrop(x_m, sim::masonry(random))};
-}
-
-sim::Primitive texturedBox(const Eigen::Vector3d& middle_W, double size_m) {
-  sim::Random random(2, sim::Stream::Scene);
-  return sim::makeBox(middle_W, Eigen::Vector3d::Constant(size_m), sim::masonry(random));
-}
+World wall(double x_m) { return {masonryAt(x_m)}; }
 
 World with(World world, const sim::Primitive& obstacle) {
   world.push_back(obstacle);
@@ -42,7 +35,7 @@ World with(World world, const sim::Primitive& obstacle) {
 std::vector<Place> places() {
   return {{"a wall behind the end", State::Free, wall(6.0)},
           {"a wall in the box", State::Blocked, wall(3.0)},
-          {"a box at the side", State::Free, with(wall(6.0), texturedBox({3.0, 0.95, sim::kHeight_m}, 0.4))},
+          {"a box at the side", State::Free, with(wall(6.0), cubeAt({3.0, 0.95, sim::kHeight_m}, 0.4))},
           {"a bare wall", State::Unknown, {sim::backdrop(6.0, sim::plain(0.5))}}};
 }
 
@@ -75,7 +68,7 @@ TEST(PipelineLaws, NothingThatIsAddedWithinTheBoxLeavesItFree) {
     EXPECT_EQ(stateIn(place.world), place.state) << place.name;
     for (const double x_m : {1.5, 2.5}) {
       for (const double y_m : {-0.4, 0.1}) {
-        const sim::Primitive obstacle = texturedBox({x_m, y_m, sim::kHeight_m}, 0.3);
+        const sim::Primitive obstacle = cubeAt({x_m, y_m, sim::kHeight_m}, 0.3);
         EXPECT_NE(stateIn(with(place.world, obstacle)), State::Free) << place.name << ", " << x_m << " m, " << y_m;
       }
     }
@@ -84,7 +77,7 @@ TEST(PipelineLaws, NothingThatIsAddedWithinTheBoxLeavesItFree) {
 
 TEST(PipelineLaws, WhatIsAddedBesideABlockedBoxDoesNotFreeIt) {
   for (const double y_m : {-1.0, 1.0}) {
-    EXPECT_EQ(stateIn(with(wall(3.0), texturedBox({2.0, y_m, sim::kHeight_m}, 0.4))), State::Blocked) << y_m;
+    EXPECT_EQ(stateIn(with(wall(3.0), cubeAt({2.0, y_m, sim::kHeight_m}, 0.4))), State::Blocked) << y_m;
   }
 }
 

@@ -17,12 +17,9 @@ using test_support::kSmallGeometry;
 using test_support::withoutHitBand;
 
 std::uint32_t pointsAt(double depth_m, const Eigen::Isometry3d& T_M_C) {
-  PointCounter counter(withoutHitBand(), kSmallGeometry);
-  counter.count(test_support::wallDepth(kSmallGeometry.size(), depth_m), T_M_C);
+  const cv::Mat wall_m = test_support::wallDepth(kSmallGeometry.size(), depth_m);
   std::uint32_t points = 0;
-  for (const CellCounts::Cube& cube : counter.cubes()) {
-    for (const std::uint32_t count : cube.counts) points += count;
-  }
+  for (const auto& [cell, count] : countPoints(wall_m, T_M_C, kSmallGeometry, withoutHitBand())) points += count;
   return points;
 }
 
@@ -35,12 +32,15 @@ TEST(PointCounter, CountsEveryPointWithinTheRange) {
 
 TEST(PointCounter, CountsNothingOutsideOfWhatAnOctreeHolds) {
   EXPECT_EQ(pointsAt(4.05, Eigen::Isometry3d(Eigen::Translation3d(4000, 0, 0))), 0u);
+  const std::uint32_t some =
+      pointsAt(4.05, Eigen::Isometry3d(Eigen::Translation3d(3276.8, 0, 0)));  // across its border
+  EXPECT_GT(some, 0u);
+  EXPECT_LT(some, static_cast<std::uint32_t>(kSmallGeometry.size().area()));
 }
 
 TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
-  PointCounter counter(withoutHitBand(), kSmallGeometry);
   const Eigen::Isometry3d T_M_C(Eigen::Translation3d(1.0, -2.0, 0.5));
-  counter.count(test_support::wallDepth(kSmallGeometry.size(), 4.05), T_M_C);
+  const cv::Mat wall_m = test_support::wallDepth(kSmallGeometry.size(), 4.05);
   std::map<std::array<int, 3>, std::uint32_t> expected, found;
   for (int v = 0; v < kSmallGeometry.size().height; ++v) {
     for (int u = 0; u < kSmallGeometry.size().width; ++u) {
@@ -49,12 +49,8 @@ TEST(PointCounter, ACellHoldsThePixelsThatSeeIt) {
       ++expected[{key[0], key[1], key[2]}];
     }
   }
-  for (const CellCounts::Cube& cube : counter.cubes()) {
-    const Eigen::Array3i lowest = counter.lowestCell(cube);
-    for (int i = 0; i < 8; ++i) {
-      if (cube.counts[i] > 0)
-        found[{lowest[0] + (i & 1), lowest[1] + (i >> 1 & 1), lowest[2] + (i >> 2)}] = cube.counts[i];
-    }
+  for (const auto& [key, count] : countPoints(wall_m, T_M_C, kSmallGeometry, withoutHitBand())) {
+    found[{key[0], key[1], key[2]}] = count;
   }
   int moved = 0;  // points on a border between cells, by rounding
   for (const auto& [cell, count] : expected) moved += std::abs(static_cast<int>(count) - static_cast<int>(found[cell]));

@@ -10,7 +10,7 @@
 
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/railing.hpp"
-#include "flight_corridor/geometry/cross_sections.hpp"
+#include "flight_corridor/geometry/section.hpp"
 #include "support/calibrations.hpp"
 
 namespace flight_corridor {
@@ -66,7 +66,7 @@ StereoFrame railing(int pitch_px = kPitch_px) {
 
 bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_lidar_valid = false,
                const StereoGeometry& geometry = kVgaGeometry) {
-  const Box corridor = Corridor(CorridorConfig()).box(opticalFromForward());
+  const Box corridor = corridorBox(CorridorConfig(), opticalFromForward());
   return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_lidar_valid, geometry);
 }
 
@@ -82,7 +82,7 @@ TEST(Railing, TheLidarDecidesWhereAllIsOfOnePattern) {
 }
 
 TEST(Railing, AFenceShowsWhatIsFartherBesideIt) {
-  const cv::Rect view = viewOfFarPart(Corridor(CorridorConfig()).box(opticalFromForward()), kVgaGeometry);
+  const cv::Rect view = viewOfFarPart(corridorBox(CorridorConfig(), opticalFromForward()), kVgaGeometry);
   for (const auto& [farther_px, rows] : {std::pair(1.2, 0.4), std::pair(1.2, 0.2), std::pair(0.8, 0.4)}) {
     const int first = view.y - static_cast<int>(rows * view.height);
     cv::Mat depth_m = depthOf(kWallDisparity_px);

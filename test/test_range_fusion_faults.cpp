@@ -10,8 +10,8 @@
 namespace flight_corridor {
 namespace {
 
-bool stereoDissents(const RangeEstimate& estimate) {
-  return estimate.dissent && estimate.dissent->sensor == Sensor::Stereo;
+bool stereoDisagrees(const RangeEstimate& estimate) {
+  return estimate.disagreement && estimate.disagreement->sensor == Sensor::Stereo;
 }
 
 constexpr double kLidarVariance_m2 = 0.02 * 0.02;
@@ -62,10 +62,10 @@ TEST(RangeFusionFaults, InLastingDisagreementTheNearerSensorRules) {
       if (i % 3 == 0) fusion.add(Sensor::Stereo, stamp, lidar_is_wrong ? 3.0 : 12.0, kStereoVariance_m2);
     }
     const RangeEstimate estimate = fusion.at(1.0);
-    ASSERT_TRUE(estimate.dissent);
+    ASSERT_TRUE(estimate.disagreement);
     EXPECT_NEAR(estimate.range_m, 3.0, 0.2);
-    EXPECT_NEAR(estimate.dissent->range_m, 12.0, 1e-9);
-    EXPECT_EQ(stereoDissents(estimate), !lidar_is_wrong);
+    EXPECT_NEAR(estimate.disagreement->range_m, 12.0, 1e-9);
+    EXPECT_EQ(stereoDisagrees(estimate), !lidar_is_wrong);
   }
 }
 
@@ -77,7 +77,7 @@ TEST(RangeFusionFaults, WhatIsTheSameInAllReadingsCountsBetweenTheSensorsAlone) 
       if (i % 3 == 0) fusion.add(Sensor::Stereo, 0.01 * i, 22.0, kStereoVariance_m2, is_known ? kCommon_1pm : 0.0);
       if (i >= 30) fusion.add(Sensor::Lidar, 0.01 * i, 29.7 + 0.001 * (i % 2), kLidarVariance_m2);
     }
-    EXPECT_EQ(fusion.at(1.0).dissent.has_value(), !is_known);
+    EXPECT_EQ(fusion.at(1.0).disagreement.has_value(), !is_known);
     EXPECT_NEAR(fusion.at(1.0).range_m, is_known ? 29.7 : 22.0, 0.3) << "d_K is the LiDAR's";
     EXPECT_EQ(fusion.add(Sensor::Stereo, 1.01, 8.0, kStereoVariance_m2, kCommon_1pm), Outcome::Gated);
   }
@@ -100,7 +100,7 @@ void settleFarther(RangeFusion& fusion, double lidar_m, double stereo_m) {
 TEST(RangeFusionFaults, ALoneNearerReadingOfASensorInLastingDisagreementIsPassedOver) {
   RangeFusion fusion((FusionConfig()));
   settleFarther(fusion, 14.0, 10.0);
-  ASSERT_TRUE(fusion.at(0.6).dissent.has_value());
+  ASSERT_TRUE(fusion.at(0.6).disagreement.has_value());
   EXPECT_EQ(fusion.add(Sensor::Lidar, 0.6, 6.0, kLidarVariance_m2), Outcome::Gated) << "14 m lasted, not 6 m";
   EXPECT_NEAR(fusion.at(0.6).range_m, 10.0, 0.2);
 }
@@ -120,15 +120,15 @@ TEST(RangeFusionFaults, AStereoPeakDoesNotEndItsDisagreementWithANearerLidarWhat
   RangeFusion fusion((FusionConfig()));
   settle(fusion, 10.0);
   fusion.add(Sensor::Stereo, 0.50, 14.0, kStereoVariance_m2);
-  fusion.add(Sensor::Stereo, 0.51, 20.0, kStereoVariance_m2);  // passed over
+  fusion.add(Sensor::Stereo, 0.51, 20.0, kStereoVariance_m2);  // ignored as an outlier
   ASSERT_EQ(fusion.add(Sensor::Stereo, 0.52, 10.0, kStereoVariance_m2), Outcome::Accepted);
   double stamp = 0.52;
   for (int i = 0; i < 30; ++i, stamp += 0.01) {
     fusion.add(Sensor::Lidar, stamp, 6.0 + 0.001 * (i % 2), kLidarVariance_m2);
   }
-  ASSERT_TRUE(stereoDissents(fusion.at(stamp)));
+  ASSERT_TRUE(stereoDisagrees(fusion.at(stamp)));
   EXPECT_EQ(fusion.add(Sensor::Stereo, stamp, 20.0, kStereoVariance_m2), Outcome::Gated);
-  EXPECT_TRUE(stereoDissents(fusion.at(stamp)));
+  EXPECT_TRUE(stereoDisagrees(fusion.at(stamp)));
 }
 
 TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateItsReadingsAre) {
@@ -140,7 +140,7 @@ TEST(RangeFusionFaults, StereoThatANearerLidarContradictsDisagreesHoweverLateIts
     if (i % 5 != 0) continue;
     fusion.add(Sensor::Stereo, stamp, 1.25 * true_m, kStereoVariance_m2);
     if (i < 10) continue;  // 0.2 s are lasting
-    EXPECT_TRUE(stereoDissents(fusion.at(stamp))) << stamp;
+    EXPECT_TRUE(stereoDisagrees(fusion.at(stamp))) << stamp;
     EXPECT_NEAR(fusion.at(stamp).range_m, true_m, 0.3) << stamp;
   }
 }
@@ -154,8 +154,8 @@ TEST(RangeFusionFaults, SensorsThatDifferTakeNoTurnsHoweverSlowOneIs) {
       if (slow_too || !lidar_is_slow) fusion.add(Sensor::Lidar, stamp, lidar_is_slow ? 5.0 : 14.0, kLidarVariance_m2);
       if (slow_too || lidar_is_slow) fusion.add(Sensor::Stereo, stamp, 7.0, kStereoVariance_m2);
       if (i < 100) continue;
-      EXPECT_TRUE(fusion.at(stamp).dissent.has_value()) << stamp;
-      EXPECT_EQ(stereoDissents(fusion.at(stamp)), lidar_is_slow) << stamp;
+      EXPECT_TRUE(fusion.at(stamp).disagreement.has_value()) << stamp;
+      EXPECT_EQ(stereoDisagrees(fusion.at(stamp)), lidar_is_slow) << stamp;
       EXPECT_NEAR(fusion.at(stamp).range_m, lidar_is_slow ? 5.0 : 7.0, 0.2) << stamp;
     }
   }
@@ -185,7 +185,7 @@ Extremes atRest(double lidar_hz, double lidar_m, double stereo_hz, double stereo
     extremes.least_m = std::fmin(extremes.least_m, estimate.range_m);
     extremes.most_m = std::isnan(estimate.range_m) ? kInfinity : std::max(extremes.most_m, estimate.range_m);
     ++extremes.frames;
-    extremes.noticed += estimate.dissent.has_value();
+    extremes.noticed += estimate.disagreement.has_value();
   }
 }
 
@@ -215,7 +215,7 @@ TEST(RangeFusionFaults, ASlowCameraTooRulesWhenItIsNearer) {
     if (i >= 100 && i % 20 == 0) fusion.add(Sensor::Stereo, stamp, 3.0 - stamp, kStereoVariance_m2);
   }
   EXPECT_NEAR(fusion.at(2.0).range_m, 1.2, 0.3);
-  EXPECT_TRUE(fusion.at(2.0).dissent.has_value());
+  EXPECT_TRUE(fusion.at(2.0).disagreement.has_value());
 }
 
 TEST(RangeFusionFaults, ALidarThatRepeatsItselfWhileStereoMovesIsFrozen) {

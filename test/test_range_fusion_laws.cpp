@@ -36,6 +36,15 @@ struct PaperFilter {
   }
 };
 
+TEST(RangeFusionLaws, AnInfiniteGateTakesEveryReading) {
+  FusionConfig config;
+  config.gate_sigma = kInfinity;
+  RangeFusion fusion(config);
+  fusion.add(Sensor::Lidar, 0.0, 5.0, config.lidar_variance_m2);
+  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.01, 5.15, config.lidar_variance_m2), Outcome::Accepted) << "a leap to 15 m/s";
+  EXPECT_EQ(fusion.add(Sensor::Lidar, 0.02, 50.0, config.lidar_variance_m2), Outcome::Accepted);
+}
+
 TEST(RangeFusionLaws, PaperPresetEqualsAnIndependentOracleOfItsEquations) {
   const FusionConfig config = paperSettings();
   RangeFusion fusion(config);

@@ -131,11 +131,59 @@ TEST(RangeTracker, AThingBesideTheBeamKeepsItFromTeachingTheScale) {
   EXPECT_EQ(tracked.scale, 1.0);
 }
 
-TEST(RangeTracker, SensorsThatDifferLastinglySaySo) {
+TEST(RangeTracker, SensorsThatDifferPersistentlySaySo) {
   RangeTracker tracker = trackerWithLidar();
   const TrackedRange tracked = trackedFor(tracker, 4.7, showing(3.0));
   EXPECT_TRUE(reasonsOf(tracked) & kDisagreement);
   EXPECT_NEAR(tracked.range.range_m, 4.7, 0.02) << "the nearer one rules";
+}
+
+/// The first pair after two readings of a LiDAR.
+TrackedRange atFirstSight(double lidar_m, double disparity_px) {
+  RangeTracker tracker = trackerWithLidar();
+  tracker.addRange(reading(0.99, lidar_m));
+  tracker.addRange(reading(1.0, lidar_m + 0.001));
+  return tracker.update(1.0, showing(disparity_px));
+}
+
+TEST(RangeTracker, StereoThatIsFarTooFarIsContradictedAtFirstSight) {
+  const double expected_px = kSmallGeometry.disparity(8.8);
+  for (const double disparity_px : {0.03, 0.1, 0.5, expected_px - 1.0}) {
+    EXPECT_TRUE(atFirstSight(8.8, disparity_px).lidar_is_nearer) << disparity_px;
+  }
+  EXPECT_FALSE(atFirstSight(8.8, expected_px - 0.7).lidar_is_nearer) << "one sigma of the offset";
+}
+
+TEST(RangeTracker, ARigThatIsFartherOffThanWhatIsCorrectedIsKnownAtFirstSight) {
+  for (const double factor : {1.2, 1.35, 1.5}) {  // announced over true baseline
+    EXPECT_TRUE(atFirstSight(3.0, 7.0 / factor).lidar_is_nearer) << factor;
+  }
+  EXPECT_FALSE(atFirstSight(3.0, 7.0 / 1.1).lidar_is_nearer);
+}
+
+TEST(RangeTracker, AContradictionHoldsUntilTheTwoHaveAgreedForAsLong) {
+  RangeTracker tracker = trackerWithLidar();
+  ASSERT_TRUE(trackedFor(tracker, 3.0, showing(3.0)).lidar_is_nearer) << "for half a second";
+  for (int i = 0; i < 100; ++i) {  // now both see 7 m
+    const double stamp_s = 1.5 + 0.01 * i;
+    tracker.addRange(reading(stamp_s, 7.0 + 0.001 * (i % 2)));
+    const bool is_nearer = tracker.update(stamp_s, showing(3.0)).lidar_is_nearer;
+    EXPECT_TRUE(is_nearer || i >= 40) << i;
+    EXPECT_FALSE(is_nearer && i > 90) << i;
+  }
+}
+
+TEST(RangeTracker, AnOffsetThatCanBePutRightIsLearntWhereverTheSensorsBegin) {
+  constexpr double kOffset_px = 0.5;
+  RangeTracker tracker = trackerWithLidar();
+  TrackedRange tracked;
+  for (int i = 0; i < 400; ++i) {  // from 9 m to 3 m
+    const double stamp_s = 0.01 * i, true_m = 9.0 - 0.015 * i;
+    tracker.addRange(reading(stamp_s, true_m + 0.001 * (i % 2)));
+    if (i % 5 == 4) tracked = tracker.update(stamp_s, showing(kSmallGeometry.disparity(true_m) - kOffset_px));
+  }
+  EXPECT_FALSE(tracked.lidar_is_nearer);
+  EXPECT_NEAR(tracked.range_stereo_m, 3.0, 0.1);
 }
 
 TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {

@@ -109,8 +109,29 @@ TEST(ScaleCorrection, AHoverTeachesNothingOfOtherRanges) {
 
 TEST(ScaleCorrection, LearnsFurtherInwardsThanOutwards) {
   ScaleCorrection inwards((ScaleConfig())), outwards((ScaleConfig()));
-  EXPECT_TRUE(inwards.update(0.0, 5.0, 6.0, 0.3, 0.0));
-  EXPECT_FALSE(outwards.update(0.0, 6.0, 5.0, 0.3, 0.0));
+  EXPECT_TRUE(inwards.update(0.0, 6.0, 7.4, 0.3, 0.0));
+  EXPECT_FALSE(outwards.update(0.0, 6.0, 4.6, 0.3, 0.0));
+}
+
+TEST(ScaleCorrection, LearnsTheOffsetOfARigThatIsKnockedAfterTenMinutes) {
+  ScaleCorrection scale((ScaleConfig()));
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  constexpr double kKnocked_s = 600.0, kKnock_px = 0.5;
+  for (double stamp_s = 0.0; stamp_s < kKnocked_s + 180.0; stamp_s += 0.1) {
+    const double true_px = kVgaGeometry.disparity(4.0 + 2.0 * std::sin(stamp_s));
+    const double offset_px = stamp_s < kKnocked_s ? 0.0 : kKnock_px;
+    scale.update(stamp_s, true_px - offset_px + noise(random), true_px, 0.1, 0.0);
+  }
+  EXPECT_NEAR(scale.correct(10.0), 10.0 + kKnock_px, 0.1);
+}
+
+TEST(ScaleCorrection, WhatIsForgottenIsNoLessCertainThanAtFirst) {
+  ScaleCorrection scale((ScaleConfig()));
+  const double before = scale.sigma(20.0);
+  teach(scale, 1.0, 0.0, 6.0, 2.0, 60);
+  scale.forgetUntil(1e6);
+  EXPECT_LE(scale.sigma(20.0), 1.0001 * before);
 }
 
 TEST(ScaleCorrection, ASpikeAfterConvergenceIsGated) {

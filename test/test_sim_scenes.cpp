@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
 
 #include "sim/simulation.hpp"
 
@@ -43,7 +45,8 @@ TEST(SceneFamilies, AreTheSceneNamesInTheirOrder) {
 }
 
 TEST(SceneFamilies, SayWhichOnesACameraCannotJudge) {
-  for (const char* name : {"black_wall", "blank_wall", "dazzled", "glass", "mirror", "open_sky"}) {
+  for (const char* name : {"bare_beam", "bare_column", "bare_hall", "bare_hallway", "bare_on_bare", "bare_slant",
+                           "black_wall", "blank_wall", "dazzled", "glass", "mirror", "open_sky", "white_wall"}) {
     EXPECT_EQ(visibilityOf(name), Visibility::Unseeable) << name;
   }
   EXPECT_EQ(visibilityOf("close_pole"), Visibility::TooNear);
@@ -60,6 +63,33 @@ TEST(Scenes, ABlankAndABlackWallShowOnlyNoise) {
     cv::meanStdDev(window(simulation.frame(firstBlocked(simulation)).left), mean, std);
     // The sensor's 0.8 in the dark, with shot noise and rounding at most sqrt(0.64 + 0.012 * 170 + 1/12).
     EXPECT_LT(std[0], 1.7) << scene;
+  }
+}
+
+TEST(Scenes, AWhiteWallSaturatesTheCamera) {
+  const Simulation simulation = flightOf("white_wall", 1);
+  const cv::Mat saturated = window(simulation.frame(firstBlocked(simulation)).left) == 255;
+  EXPECT_EQ(cv::countNonZero(saturated), static_cast<int>(saturated.total()));
+}
+
+TEST(Scenes, OnPaintOnlyTheLightChanges) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Simulation simulation = flightOf("bare_slant", seed);
+    cv::Mat image, blurred;
+    window(simulation.frame(firstBlocked(simulation)).left).convertTo(image, CV_32F);
+    cv::blur(image, blurred, {9, 9});
+    cv::Scalar mean, std;
+    cv::meanStdDev(image - blurred, mean, std);
+    EXPECT_LT(std[0], 1.7) << seed;  // noise, as on a blank wall
+  }
+}
+
+TEST(Scenes, OfBareFamiliesSomeFlyWithoutALidar) {
+  for (const char* scene : {"bare_beam", "bare_column", "bare_hall", "bare_hallway", "bare_on_bare", "bare_slant"}) {
+    int without = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) without += makeScene(scene, seed).lidar.rate_hz == 0.0 ? 1 : 0;
+    EXPECT_GT(without, 0) << scene;
+    EXPECT_LT(without, 20) << scene;
   }
 }
 
@@ -113,7 +143,7 @@ TEST(Scenes, SpeedsReachFromHoveringToFourMetresPerSecond) {
 
 TEST(Scenes, TheForestIsToBeLookedAtAndIsNoFamily) {
   EXPECT_EQ(shownSceneNames(), std::vector<std::string>{"forest_gate"});
-  EXPECT_EQ(sceneNames().size(), 45u);
+  EXPECT_EQ(sceneNames().size(), 52u);
   for (const std::string& name : sceneNames()) EXPECT_NE(name, "forest_gate");
   EXPECT_EQ(flightOf("forest_gate", 1).frame(0).left.size(), cv::Size(640, 480));
 }

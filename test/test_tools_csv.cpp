@@ -72,7 +72,7 @@ TEST_F(CsvTest, ResultsHaveTheAgreedHeader) {
   writeResults(folder.path("r.csv"), {});
   EXPECT_EQ(readText(folder.path("r.csv")),
             "stamp,state,clear_distance_m,range_fused_m,range_fused_sigma_m,range_lidar_m,range_stereo_m,scale,"
-            "unknown_fraction,stereo_ms,fusion_ms,cloud_ms,map_ms,corridor_ms,total_ms\n");
+            "unknown_fraction,stereo_ms,fusion_ms,cloud_ms,map_ms,corridor_ms,total_ms,reasons\n");
 }
 
 TEST_F(CsvTest, ResultsComeBackAsWritten) {
@@ -85,6 +85,7 @@ TEST_F(CsvTest, ResultsComeBackAsWritten) {
   row.scale = 1.0625;
   row.unknown_fraction = 0.25;
   row.times.total_ms = 41.5;
+  row.reasons = "OCCUPIED_CELL|SHORT_RANGE";
   writeResults(folder.path("r.csv"), {row});
   const std::vector<ResultRow> rows = readResults(folder.path("r.csv"));
   ASSERT_EQ(rows.size(), 1u);
@@ -96,6 +97,16 @@ TEST_F(CsvTest, ResultsComeBackAsWritten) {
   EXPECT_EQ(rows[0].scale, 1.0625);
   EXPECT_EQ(rows[0].unknown_fraction, 0.25);
   EXPECT_EQ(rows[0].times.total_ms, 41.5);
+  EXPECT_EQ(rows[0].reasons, row.reasons);
+}
+
+TEST_F(CsvTest, ResultsOfBeforeTheReasonsAreReadToo) {
+  writeResults(folder.path("r.csv"), {ResultRow()});
+  std::string text = readText(folder.path("r.csv"));
+  for (const char* last : {",reasons\n", ",\n"}) text.replace(text.find(last), std::string(last).size(), "\n");
+  const std::vector<ResultRow> rows = readResults(write(text));
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].reasons, "");
 }
 
 TEST_F(CsvTest, TruthComesBackAsWritten) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,81 @@ TEST(Verdict, AReasonThatNobodyKnowsIsNotFree) { EXPECT_EQ(stateOf(2 * kLidarNea
 TEST(Verdict, AFreshVerdictIsUnknown) {
   EXPECT_EQ(Verdict().state, State::Unknown);
   EXPECT_STREQ(toString(Verdict().state), "UNKNOWN");
+}
+
+/// All seen, nothing there.
+BoxEvidence clearBox() {
+  BoxEvidence evidence;
+  evidence.unobserved.hole_m = evidence.unobserved.fraction = 0.0;
+  evidence.unobserved.out_of_view = evidence.unobserved.end_out_of_view = evidence.unobserved.too_near = 0.0;
+  return evidence;
+}
+
+std::uint32_t reasons(const BoxEvidence& evidence) {
+  double clear_distance_m;
+  return reasonsOf(evidence, CorridorConfig(), clear_distance_m);
+}
+
+/// Of so many smallest obstacles.
+BoxPatch patch(double share, double begin_m) {
+  const double area_m2 = share * std::pow(CorridorConfig().smallest_obstacle_m, 2);
+  return {area_m2, area_m2, area_m2, begin_m};
+}
+
+TEST(Verdict, WhatIsSeenAndEmptyGivesNoReason) {
+  double clear_distance_m = 0.0;
+  EXPECT_EQ(reasonsOf(clearBox(), CorridorConfig(), clear_distance_m), 0u);
+  EXPECT_EQ(clear_distance_m, kInfinity);
+}
+
+TEST(Verdict, WhatNobodyLookedAtIsUnobserved) { EXPECT_EQ(reasons(BoxEvidence()), kUnobserved); }
+
+TEST(Verdict, TheNearestPatchOfTheSmallestObstacleBlocks) {
+  BoxEvidence evidence = clearBox();
+  evidence.patches = {patch(2.0, 3.0), patch(1.0, 2.0), patch(0.1, 1.0), {0.0, 0.0, 1.0, kInfinity}};
+  double clear_distance_m = kNaN;
+  EXPECT_EQ(reasonsOf(evidence, CorridorConfig(), clear_distance_m), kOccupiedCell);
+  EXPECT_EQ(clear_distance_m, 2.0);
+}
+
+TEST(Verdict, ALargerPatchNeverGivesABetterState) {
+  const auto rank = [](State state) { return state == State::Free ? 2 : state == State::Unknown ? 1 : 0; };
+  int before = 2, states = 1;
+  for (double share = 0.0; share < 1.5; share += 0.05) {
+    BoxEvidence evidence = clearBox();
+    evidence.patches = {patch(share, 2.0)};
+    const int after = rank(stateOf(reasons(evidence)));
+    EXPECT_LE(after, before) << share;
+    states += after != before;
+    before = after;
+  }
+  EXPECT_EQ(states, 3) << "chance, in doubt, there";
+}
+
+TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
+  const CorridorConfig config;
+  for (double Unobserved::*what : {&Unobserved::hole_m, &Unobserved::fraction, &Unobserved::too_near,
+                                  &Unobserved::end_out_of_view}) {
+    BoxEvidence evidence = clearBox();
+    for (const double value : {1.0, kNaN, kInfinity}) {
+      evidence.unobserved.*what = value;
+      EXPECT_EQ(reasons(evidence), kUnobserved) << value;
+    }
+  }
+  BoxEvidence evidence = clearBox();
+  evidence.unobserved.hole_m = config.smallest_obstacle_m;
+  evidence.unobserved.fraction = config.max_unknown_fraction;
+  evidence.unobserved.end_out_of_view = 0.3;
+  evidence.unobserved.out_of_view = 1.0;  // near the camera no view is as wide as the box
+  EXPECT_EQ(reasons(evidence), 0u);
+}
+
+TEST(Verdict, WhatFitsInTheBoxAsWellIsAmbiguousBesideWhatBlocks) {
+  BoxEvidence evidence = clearBox();
+  evidence.is_ambiguous = true;
+  EXPECT_EQ(reasons(evidence), kAmbiguous);
+  evidence.patches = {patch(1.0, 2.0)};
+  EXPECT_EQ(reasons(evidence), kAmbiguous | kOccupiedCell);
 }
 
 }  // namespace

@@ -1,21 +1,20 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <memory_resource>
 #include <optional>
 
 #include "flight_corridor/config.hpp"
+#include "flight_corridor/corridor/box_inspector.hpp"
+#include "flight_corridor/corridor/clear_rays.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
-#include "flight_corridor/corridor/doubt.hpp"
 #include "flight_corridor/corridor/recent_block.hpp"
-#include "flight_corridor/corridor/surface_in_box.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
-#include "flight_corridor/geometry/box_view.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "flight_corridor/stereo/texture.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
@@ -43,8 +42,7 @@ struct Counters : RangeCounts {
   std::uint64_t frames = 0, frames_refused = 0;
 };
 
-/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one thread; in flight nothing throws, and no
-/// memory is taken but for more than was ever needed before.
+/// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one caller at a time; in flight nothing throws.
 class Pipeline {
  public:
   /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing before
@@ -70,16 +68,18 @@ class Pipeline {
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
-  /// What the map holds of any box now; nothing of it is exempt for not being observable. Changes nothing.
-  /// UNKNOWN where more than corridor/max_unknown_fraction of its cells is unknown, where the last frame has matches
-  /// behind it that fit in it as well, or points in it that make no hit, or says that the map is not to be trusted. The
-  /// answer is as old as its stamp, the last frame's: judge its age.
+  /// What is known of any box now, by the corridor's rule; nothing of it is exempt for being out of view, but what a
+  /// map in a fixed frame remembers. The answer is as old as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
 
   /// Cells of the map that meet a box, in the map's frame, are unknown again.
-  void clear(const Eigen::AlignedBox3d& box_M) { map_.clear(box_M); }
+  void clear(const Eigen::AlignedBox3d& box_M) {
+    map();
+    map_.clear(box_M);
+    is_cleared_ = true;
+  }
 
   /// From now on the corridor points along +x of F.
   void pointAlong(const Eigen::Isometry3d& T_C_F) { rig_.T_C_F = T_C_F; }
@@ -105,53 +105,51 @@ class Pipeline {
   /// The evidence: depth along z of C of what is matched, CV_32FC1 [m], NaN = nothing.
   const cv::Mat& depth() const { return depth_m_; }
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
-  cv::Mat doubtful() const { return doubt_.image(); }
+  cv::Mat doubtful() const { return inspector_.doubtful(); }
+  /// What the last frame does not show clear of the corridor's box.
+  const Unobserved& unobserved() const { return inspector_.unobserved(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
   /// What has been learnt of the rig's scale and offset.
   const ScaleCorrection& scale() const { return range_tracker_.scale(); }
-  /// In the map's frame M.
-  const OccupancyMap& map() const { return map_; }
+  /// In the map's frame M. Without map/frame_id it is built here, of the last frame alone, when somebody asks first.
+  const OccupancyMap& map() const;
   /// Left camera in the map's frame at the last frame; identity without map/frame_id.
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
   /// The corridor's box in the map's frame, and in C.
-  Box box() const { return corridor_.box(T_M_C_ * rig_.T_C_F); }
-  Box boxInCamera() const { return corridor_.box(rig_.T_C_F); }
+  Box box() const { return corridorBox(config_.corridor, T_M_C_ * rig_.T_C_F); }
+  Box boxInCamera() const { return corridorBox(config_.corridor, rig_.T_C_F); }
 
  private:
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
   void trackRange();
-  void updateMap();
-  CorridorOccupancy inspectCorridor() const;
+  void updateMap() const;
   void decide();
-  std::uint32_t mapReasons(const CorridorOccupancy& occupancy, const Box& box_M) const;
-  const OccupancyMap& frameMap() const { return frame_map_ ? *frame_map_ : map_; }
-  Box inCamera(const Box& box_M) const { return {T_M_C_.inverse() * box_M.T_M_F, box_M.size_m}; }
+  PairEvidence evidence() const;
   bool isTrusted() const;
-  std::uint32_t doubts(const Box& box_C, BoxView& view, Doubt& doubt) const;
   double validLidarDepth(const Box& box_C) const;
-  std::optional<double> beamEndInBox() const;
+  std::optional<double> beamEndInBox(const Box& box_C) const;
+  bool remembers() const { return !config_.map.frame_id.empty(); }
 
   Config config_;
   StereoGeometry geometry_;
   Rig rig_;
-  DisparityEstimator disparity_estimator_;
+  mutable DisparityEstimator disparity_estimator_;  // a query borrows its threads
   RangeTracker range_tracker_;
-  OccupancyMap map_;
-  // Of this frame alone, in C: a map that remembers does not say what is seen now.
-  std::optional<OccupancyMap> frame_map_;
-  Corridor corridor_;
+  mutable OccupancyMap map_;
+  mutable bool is_map_current_ = true;  // it holds the last frame
+  bool is_cleared_ = false;             // in part, since then
+  Texture left_texture_, right_texture_;
+  ClearRays rays_;
+  BoxInspector inspector_;
+  mutable BoxInspector query_inspector_;
   RecentBlock recent_block_;
-  BoxView box_view_;  // of the corridor
-  Doubt doubt_;
-  // For what a frame needs and leaves; larger blocks than these are given back.
-  mutable std::pmr::unsynchronized_pool_resource scratch_{std::pmr::pool_options{0, 4u << 20}};
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
-  std::uint32_t doubts_ = 0;        // about its matches where the corridor is
+  std::uint32_t box_reasons_ = 0;   // what it shows of the corridor
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   cv::Mat depth_m_;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/mat.hpp>
@@ -47,11 +46,5 @@ struct RangeReading {
   double max_range_m = kInfinity;  ///< So are farther ones: nothing is in range.
   double field_of_view_rad = 0.0;  ///< Full width of the beam's cone.
 };
-
-/// Convex region of space: the points p with planes^T (p, 1) >= 0; all of space without a plane. One plane a column:
-/// unit normal pointing inwards, then offset [m]; so many at most. T_A_B^T planes_A are the same planes in B (Hartley
-/// and Zisserman 2004, ch. 3).
-constexpr int kMostPlanes = 16;
-using ConvexRegion = Eigen::Matrix<double, 4, Eigen::Dynamic, Eigen::ColMajor, 4, kMostPlanes>;
 
 }  // namespace flight_corridor

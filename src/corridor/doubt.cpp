@@ -4,30 +4,32 @@
 #include <cmath>
 #include <cstddef>
 
-#include "flight_corridor/stereo/cost_minima.hpp"
+#include "flight_corridor/disjoint_sets.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
+#include "flight_corridor/stereo/semi_global_matcher.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr double kInside_px = 0.5;  // so much nearer than the box's end a whole disparity is surely in it
-constexpr std::size_t kEnough = 4;  // candidates for each pixel of the image: doubt enough
+constexpr double kInside_px = 0.5;        // so much nearer than the box's end a whole disparity is surely in it
+constexpr double kMostOfObstacle = 0.75;  // its edges are matched on what is behind
+constexpr std::size_t kEnough = 4;        // candidates for each pixel of the image: doubt enough
 
 }  // namespace
 
-Doubt::Doubt(const StereoGeometry& geometry, double smallest_obstacle_m)
+Doubt::Doubt(const StereoGeometry& geometry)
     : geometry_(geometry),
       first_px_(firstDisparity(geometry)),
-      smallest_m2_(smallest_obstacle_m * smallest_obstacle_m),
       labels_(static_cast<std::size_t>(geometry.size().area()), -1) {}
 
 bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                 bool is_lidar_valid) {
+                 bool is_lidar_valid, double smallest_m) {
+  const double smallest_m2 = smallest_m * smallest_m;
   collect(box, evidence, correction, is_lidar_valid);
   if (candidates_.size() >= kEnough * labels_.size()) return true;
-  if (repeated_m2_ > 0.0 && repeated_m2_ >= smallest_m2_) return true;
+  if (holdsRepeated(smallest_m2)) return true;
   begins_.assign(static_cast<std::size_t>(8 * evidence.set.channels()) + 1, 0);
   for (const Candidate& candidate : candidates_) ++begins_[candidate.place + 1];
   for (std::size_t place = 1; place < begins_.size(); ++place) begins_[place] += begins_[place - 1];
@@ -36,16 +38,17 @@ bool Doubt::isIn(const BoxView& box, const DisparityEvidence& evidence, const Sc
   next.assign(begins_.begin(), begins_.end());
   for (const Candidate& candidate : candidates_) by_place_[next[candidate.place]++] = candidate.pixel;
   for (int place = 0; place + 1 < static_cast<int>(begins_.size()); ++place) {
-    if (holdsPatch(place, correction)) return true;
+    if (holdsPatch(place, correction, smallest_m2)) return true;
   }
   return false;
 }
 
-/// Of pixels that are matched behind the box, and of repeated matches in it: what else is matched in it is in the map.
+/// Of pixels that are matched behind the box, and of repeated matches in it: what else is matched in it is for
+/// BoxPatches.
 void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                     bool is_lidar_valid) {
   candidates_.clear();
-  repeated_m2_ = 0.0;
+  repeated_m2_.assign(static_cast<std::size_t>(8 * evidence.set.channels()), 0.0);
   const int words = evidence.set.channels() / 8;
   corrected_px_.resize(static_cast<std::size_t>(64 * words));  // of each place; grows with it
   for (int place = 0; place < 64 * words; ++place) {
@@ -58,9 +61,6 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
   };
   const float *entry_px = box.entry().ptr<float>(), *exit_px = box.exit().ptr<float>();
   const float *best_px = evidence.best_px.ptr<float>(), *repeated_px = evidence.repeated_px.ptr<float>();
-  const float* nearest_px = evidence.nearest_px.ptr<float>();
-  const float* farthest_competitor_px = evidence.competitor_farthest_px.ptr<float>();
-  const float* nearest_competitor_px = evidence.competitor_nearest_px.ptr<float>();
   const auto* set = evidence.set.ptr<std::uint64_t>();
   const int pixels = geometry_.size().area();
   for (int i = 0; i < pixels && candidates_.size() < kEnough * pixels; ++i) {
@@ -70,12 +70,14 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
     const bool is_behind = match_px < exit_px[i];
     if (!is_behind && !is_repeated) continue;
     const bool competes = (evidence.flags.data[i] & kCompetitor) && !(is_behind && is_lidar_valid);
-    if (!competes && !(correction.correct(nearest_px[i]) >= exit_px[i])) continue;
+    const int last = lastBit(set + static_cast<std::size_t>(i) * words, words);
+    if (!competes && !(last >= 0 && corrected_px_[last] >= exit_px[i])) continue;
     const int first = places_below(exit_px[i] + kInside_px), end = places_below(entry_px[i]);
     if (first >= end) continue;
-    const double farthest_px = correction.correct(farthest_competitor_px[i]);
-    if (!is_behind && match_px < entry_px[i] && farthest_px >= exit_px[i] + kInside_px) {
-      repeated_m2_ += std::pow(geometry_.pixelEdge(farthest_px), 2);
+    const int farthest = evidence.competitor_farthest.data[i], nearest = evidence.competitor_nearest.data[i];
+    if (competes && !is_behind && match_px < entry_px[i] && farthest >= first) {
+      repeated_m2_[std::min<std::size_t>(places_below(match_px), repeated_m2_.size() - 1)] +=
+          std::pow(geometry_.pixelEdge(corrected_px_[farthest]), 2);
     }
     for (int word = first / 64; word < words; ++word) {
       std::uint64_t bits = set[static_cast<std::size_t>(i) * words + word];
@@ -84,8 +86,6 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
       }
     }
     if (!competes) continue;
-    const int farthest = static_cast<int>(std::lround(farthest_competitor_px[i] - first_px_));
-    const int nearest = static_cast<int>(std::lround(nearest_competitor_px[i] - first_px_));
     const bool surrounds = farthest < first && nearest >= end;  // of those between nothing is known: one may be in it
     const auto add = [&](int place) {
       const bool is_in_set = set[static_cast<std::size_t>(i) * words + place / 64] >> place % 64 & 1u;
@@ -96,13 +96,22 @@ void Doubt::collect(const BoxView& box, const DisparityEvidence& evidence, const
   }
 }
 
+/// Whether repeated matches of one surface, to a pixel, cover most of the smallest obstacle; they need not touch.
+bool Doubt::holdsRepeated(double smallest_m2) const {
+  for (std::size_t place = 1; place + 1 < repeated_m2_.size(); ++place) {
+    const double surface_m2 = repeated_m2_[place - 1] + repeated_m2_[place] + repeated_m2_[place + 1];
+    if (surface_m2 > 0.0 && surface_m2 >= kMostOfObstacle * smallest_m2) return true;
+  }
+  return false;
+}
+
 /// Whether pixels at one disparity that touch each other cover the smallest obstacle's area.
-bool Doubt::holdsPatch(int place, const ScaleCorrection& correction) {
+bool Doubt::holdsPatch(int place, const ScaleCorrection& correction, double smallest_m2) {
   const int *begin = by_place_.data() + begins_[place], *end = by_place_.data() + begins_[place + 1];
   const double disparity_px = correction.correct(place + first_px_);
   if (begin == end || !(disparity_px > 0.0)) return false;
   const double pixel_m = geometry_.pixelEdge(disparity_px);
-  const double enough = smallest_m2_ / (pixel_m * pixel_m);
+  const double enough = smallest_m2 / (pixel_m * pixel_m);
   if (static_cast<double>(end - begin) < enough) return false;
   const int width = geometry_.size().width;
   parents_.clear();
@@ -115,7 +124,7 @@ bool Doubt::holdsPatch(int place, const ScaleCorrection& correction) {
       if (u + du < 0 || u + du >= width || v + dv < 0) return;
       const int other = labels_[*pixel + dv * width + du];
       if (other < 0) return;
-      const int at = root(other);
+      const int at = rootOf(parents_, other);
       if (label < 0) {
         label = at;
       } else if (at != label) {
@@ -135,11 +144,6 @@ bool Doubt::holdsPatch(int place, const ScaleCorrection& correction) {
   }
   for (const int* pixel = begin; pixel != end; ++pixel) labels_[*pixel] = -1;
   return largest >= enough;
-}
-
-int Doubt::root(int label) {
-  while (parents_[label] != label) label = parents_[label] = parents_[parents_[label]];
-  return label;
 }
 
 cv::Mat Doubt::image() const {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "flight_corridor/geometry/cross_sections.hpp"
+#include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/window_matcher.hpp"
 
 namespace flight_corridor {

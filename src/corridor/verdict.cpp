@@ -1,8 +1,19 @@
 #include "flight_corridor/corridor/verdict.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace flight_corridor {
+
+namespace {
+
+constexpr double kWeakShare = 0.25;          // of the smallest obstacle's area: too much for chance
+constexpr int kWeak_px = 12;                 // so are so many matches, though so near that they cover less
+constexpr double kHole = 1.6;                // of its edge: of what is as large, half a census window more is lost
+constexpr double kTooNear = 0.1;             // of the box
+constexpr double kEndOutOfView = 1.0 / 3.0;  // of the box's last quarter: the rest was seen from farther away
+
+}  // namespace
 
 const char* toString(State state) {
   switch (state) {
@@ -24,9 +35,9 @@ State stateOf(std::uint32_t reasons) {
 
 std::string describeReasons(std::uint32_t reasons) {
   static const char* const kNames[] = {
-      "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",  "NO_POSE",        "BAD_IMAGE",
-      "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR", "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
-      "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE",  "LIDAR_NEARER"};
+      "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",       "NO_POSE",        "BAD_IMAGE",
+      "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR",      "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
+      "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER"};
   std::string text;
   std::uint32_t bit = 1;
   for (const char* name : kNames) {
@@ -36,16 +47,34 @@ std::string describeReasons(std::uint32_t reasons) {
   return text;
 }
 
-std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, double max_unknown_fraction) {
+std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m) {
+  const double smallest_m2 = std::pow(smallestInspected(config), 2);
   std::uint32_t reasons = 0;
-  if (std::isfinite(occupancy.clear_distance_m)) reasons |= kOccupiedCell;
-  if (!(occupancy.unknown_fraction <= max_unknown_fraction)) reasons |= kUnobserved;
+  clear_distance_m = kInfinity;
+  for (const BoxPatch& patch : evidence.patches) {
+    if (patch.blocks(smallest_m2)) {
+      reasons |= kOccupiedCell;
+      clear_distance_m = std::min(clear_distance_m, patch.begin_m);
+    } else if (patch.in_box_px >= kWeak_px || patch.in_box_m2 > kWeakShare * smallest_m2) {
+      reasons |= kWeakEvidence;
+    }
+  }
+  if (reasons & kOccupiedCell) reasons &= ~kWeakEvidence;
+  const Unobserved& unobserved = evidence.unobserved;
+  const bool is_seen = !hasHole(unobserved, config) && unobserved.fraction <= config.max_unknown_fraction &&
+                       unobserved.too_near <= kTooNear && unobserved.end_out_of_view <= kEndOutOfView;
+  if (!is_seen) reasons |= kUnobserved;
+  if (evidence.is_ambiguous) reasons |= kAmbiguous;
   return reasons;
+}
+
+bool hasHole(const Unobserved& unobserved, const CorridorConfig& config) {
+  return !(unobserved.hole_m < kHole * smallestInspected(config) - kTouch_m);
 }
 
 std::uint32_t reasonsOf(const TrackedRange& tracked) {
   std::uint32_t reasons = 0;
-  if (tracked.range.dissent) reasons |= kDisagreement;
+  if (tracked.range.disagreement) reasons |= kDisagreement;
   if (tracked.lidar_is_nearer) reasons |= kDisagreement | kLidarNearer;
   if (std::isnan(tracked.range_lidar_m) || tracked.lidar_is_slow) reasons |= kNoLidar;
   if (tracked.lidar_is_rejected) reasons |= kLidarRejected;

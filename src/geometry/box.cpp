@@ -64,38 +64,12 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
   return true;
 }
 
-ConvexRegion inside(const Box& box) {
-  ConvexRegion region_M(4, 6);
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d normal_M = box.T_M_F.linear().col(axis);
-    const double middle_m = normal_M.dot(centre(box)), half_m = 0.5 * box.size_m[axis];
-    region_M.col(2 * axis) << normal_M, half_m - middle_m;
-    region_M.col(2 * axis + 1) << -normal_M, half_m + middle_m;
-  }
-  return region_M;
-}
-
-ConvexRegion beyond(const Box& box, double distance_m) {
-  const Eigen::Vector3d forward_M = box.T_M_F.linear().col(0);
-  ConvexRegion region_M(4, 1);
-  region_M << forward_M, -forward_M.dot(box.T_M_F.translation()) - distance_m;
-  return region_M;
-}
-
 double farthestCorner(const Box& box) {
-  double farthest_m = -std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d corner(i & 1 ? 1.0 : 0.0, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-    farthest_m = std::max(farthest_m, (box.T_M_F * box.size_m.cwiseProduct(corner)).z());
-  }
-  return farthest_m;
+  return centre(box).z() + 0.5 * box.T_M_F.linear().row(2).cwiseAbs().dot(box.size_m);
 }
 
-ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other) {
-  ConvexRegion both(4, one.cols() + other.cols());
-  both.leftCols(one.cols()) = one;
-  both.rightCols(other.cols()) = other;
-  return both;
+double nearestCorner(const Box& box) {
+  return centre(box).z() - 0.5 * box.T_M_F.linear().row(2).cwiseAbs().dot(box.size_m);
 }
 
 }  // namespace flight_corridor

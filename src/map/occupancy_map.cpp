@@ -7,17 +7,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr unsigned kBlockLevels = 4;  // blocks of 16 x 16 x 16 cells are forgotten together
-constexpr unsigned kBlockCells = 1u << kBlockLevels;
-constexpr unsigned kEveryChild = 0xFF;
-
-std::uint64_t packed(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x | y << 16 | z << 32; }
-std::uint64_t packed(const octomap::OcTreeKey& key) { return packed(key[0], key[1], key[2]); }
-
-octomap::OcTreeKey unpacked(std::uint64_t cell) {
-  return octomap::OcTreeKey(static_cast<octomap::key_type>(cell), static_cast<octomap::key_type>(cell >> 16),
-                            static_cast<octomap::key_type>(cell >> 32));
-}
+constexpr unsigned kBlockCells = 16;  // blocks of 16 x 16 x 16 cells are forgotten together
 
 octomap::point3d toOctomap(const Eigen::Vector3d& p) {
   return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
@@ -27,9 +17,9 @@ octomap::point3d toOctomap(const Eigen::Vector3d& p) {
 
 OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m)
     : config_((throwIfBroken(check(config)), config)),
+      geometry_(geometry),
       tree_(config.resolution_m),
       hit_rule_(config, geometry.calibration()),
-      points_(config, geometry),
       free_space_(config, geometry, nearest_m) {
   tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
   tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
@@ -37,55 +27,23 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
   tree_.setProbMiss(octomap::probability(config.log_odds_miss));
 }
 
-/// Points are counted while free space is found, after it where there is no thread to be had; what the tree is given
-/// does not depend on which ends first.
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
-  static const std::vector<FreeSpace::FreeCubes> kNone;
-  const std::vector<FreeSpace::FreeCubes>* free = &kNone;
-  workers_.run(2, [&](int part, int) {
-    if (part == 1) {
-      points_.count(depth_m, T_M_C);
-    } else if (clears) {
-      free = &free_space_.find(depth_m, T_M_C);
-    }
-  });
-  addHits(T_M_C.inverse().cast<float>());
-  for (const FreeSpace::FreeCubes& cubes : *free) {
-    for (const FreeSpace::FreeChildren& cube : cubes) {
-      addToChildren(cube.key, cube.depth, cube.children, config_.log_odds_miss);
+  addHits(countPoints(depth_m, T_M_C, geometry_, config_), T_M_C.inverse());
+  if (clears) {
+    for (const FreeSpace::Cube& cube : free_space_.find(depth_m, T_M_C)) {
+      add(cube.key, cube.depth, config_.log_odds_miss);
     }
   }
   tree_.settle();
 }
 
-void OccupancyMap::addHits(const Eigen::Isometry3f& T_C_M) {
-  const Eigen::RowVector3f deeper = T_C_M.linear().row(2) * static_cast<float>(0.5 * config_.resolution_m);
-  seen_.clear();
-  for (const CellCounts::Cube& cube : points_.cubes()) {
-    const Eigen::Array3i key = points_.lowestCell(cube);
-    const Eigen::Array3d middle_M = (key.cast<double>() + 1.0 - EvidenceTree::kKeyOrigin) * config_.resolution_m;
-    const float middle_m = (T_C_M * middle_M.matrix().cast<float>()).z();
-    unsigned hits = 0;
-    for (unsigned i = 0; i < 8; ++i) {
-      const Eigen::Vector3f side(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
-      const float depth_m = middle_m + deeper.dot(side);
-      const bool is_hit = hit_rule_.isHit(cube.counts[i], depth_m);
-      hits |= static_cast<unsigned>(is_hit) << i;
-      if (cube.counts[i] == 0) continue;
-      const Eigen::Vector3d centre_M = middle_M.matrix() + 0.5 * config_.resolution_m * side.cast<double>();
-      const std::uint32_t points = cube.counts[i];
-      seen_.push_back({centre_M, depth_m, points, hit_rule_.face(points, depth_m), is_hit});
-    }
-    if (hits == 0 || (key < 0).any() || (key > EvidenceTree::kLastKey).any()) continue;
-    const Eigen::Array<octomap::key_type, 3, 1> k = key.cast<octomap::key_type>();
-    addToChildren(octomap::OcTreeKey(k[0], k[1], k[2]), EvidenceTree::kDepth - 1, hits, config_.log_odds_hit);
+void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M) {
+  for (const auto& [key, points] : counts) {
+    const Eigen::Array3d corner(key[0], key[1], key[2]);
+    const Eigen::Vector3d centre_M = (corner + 0.5 - EvidenceTree::kKeyOrigin) * config_.resolution_m;
+    const auto depth_m = static_cast<float>((T_C_M * centre_M).z());
+    if (hit_rule_.isHit(points, depth_m)) add(key, EvidenceTree::kDepth, config_.log_odds_hit);
   }
-}
-
-bool OccupancyMap::showsOutline(const Box& box_M) const {
-  return std::any_of(seen_.begin(), seen_.end(), [&](const Seen& cell) {
-    return !cell.is_hit && hit_rule_.isUncertain(cell.points, cell.depth_m) && contains(box_M, cell.centre_M);
-  });
 }
 
 void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M) {
@@ -93,40 +51,31 @@ void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vect
   if (!origin_M.allFinite() || !end_M.allFinite() || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
   beam_.reset();
   if (!tree_.computeRayKeys(toOctomap(origin_M), toOctomap(end_M), beam_)) return;
-  const unsigned parents_depth = EvidenceTree::kDepth - 1;
-  const auto add = [&](const octomap::OcTreeKey& cell, double log_odds) {
-    addToChildren(cell, parents_depth, 1u << octomap::computeChildIdx(cell, 0), log_odds);
-  };
-  for (const octomap::OcTreeKey& cell : beam_) add(cell, config_.log_odds_miss);
-  add(end, config_.log_odds_hit);
+  for (const octomap::OcTreeKey& cell : beam_) add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
+  add(end, EvidenceTree::kDepth, config_.log_odds_hit);
   tree_.settle();
 }
 
-void OccupancyMap::addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, double log_odds) {
-  tree_.addToChildren(key, depth, children, static_cast<float>(log_odds));
-  if (!config_.frame_id.empty()) rememberBlocks(key, depth, children);
-}
-
-/// Notes that some children of a cube were seen now. A cube larger than a block holds several.
-void OccupancyMap::rememberBlocks(const octomap::OcTreeKey& key, unsigned depth, unsigned children) {
-  if (depth < EvidenceTree::kDepth - kBlockLevels) {
-    for (unsigned i = 0; i < 8; ++i) {
-      if (children >> i & 1u) rememberBlocks(EvidenceTree::childKey(key, depth, i), depth + 1, kEveryChild);
+/// Notes when the blocks that the cube is part of, or holds, were seen.
+void OccupancyMap::add(const octomap::OcTreeKey& cube, unsigned depth, double log_odds) {
+  tree_.add(cube, depth, static_cast<float>(log_odds));
+  if (config_.frame_id.empty()) return;
+  const unsigned edge = 1u << (EvidenceTree::kDepth - depth);
+  for (unsigned x = 0; x < edge; x += kBlockCells) {
+    for (unsigned y = 0; y < edge; y += kBlockCells) {
+      for (unsigned z = 0; z < edge; z += kBlockCells) {
+        const auto lowest = [](unsigned key) { return static_cast<octomap::key_type>(key & ~(kBlockCells - 1)); };
+        seen_s_[{lowest(cube[0] + x), lowest(cube[1] + y), lowest(cube[2] + z)}] = now_s_;
+      }
     }
-    return;
   }
-  const std::uint64_t lowest = packed(key) & ~packed(kBlockCells - 1, kBlockCells - 1, kBlockCells - 1);
-  if (lowest == last_block_) return;
-  last_block_ = lowest;
-  seen_s_[lowest] = now_s_;
 }
 
 void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
   now_s_ = stamp_s;
-  last_block_ = kNoBlock;
   const Eigen::AlignedBox3d window(centre_M.array() - config_.max_range_m, centre_M.array() + config_.max_range_m);
   for (auto block = seen_s_.begin(); block != seen_s_.end();) {
-    const octomap::OcTreeKey low = unpacked(block->first);
+    const octomap::OcTreeKey& low = block->first;
     if (std::abs(stamp_s - block->second) <= config_.forget_s && touches(window, low)) {
       ++block;
       continue;
@@ -146,9 +95,7 @@ bool OccupancyMap::touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTr
 
 void OccupancyMap::clear() {
   tree_.clear();
-  seen_.clear();
   seen_s_.clear();
-  last_block_ = kNoBlock;
 }
 
 void OccupancyMap::clear(const Eigen::AlignedBox3d& box_M) {

@@ -14,7 +14,6 @@ constexpr int kIterations = 4;
 constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
 constexpr double kAround = 6.0;          // radii around a footprint in which its surface should be alone
 constexpr double kBeside = 3.0;          // ... within which the beam may have met something
-constexpr double kFewest = 0.15;         // matches of the pixels there
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -35,11 +34,13 @@ Violations check(const LidarConfig& config) {
   return rules.broken();
 }
 
-BeamFootprint::BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L)
+BeamFootprint::BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L,
+                             double disparity_sigma_px)
     : config_(config),
       geometry_(geometry),
       origin_C_(T_C_L.translation()),
-      direction_C_(T_C_L.linear() * Eigen::Vector3d::UnitX()) {
+      direction_C_(T_C_L.linear() * Eigen::Vector3d::UnitX()),
+      disparity_sigma_px_(disparity_sigma_px) {
   throwIfBroken(check(config));
   if (!looksAhead(T_C_L)) {
     throw std::invalid_argument(
@@ -111,8 +112,8 @@ std::optional<FootprintReading> BeamFootprint::readAt(const cv::Mat& disparity_p
   reading.disparity_sigma_px = kGaussianMad * median(scratch_);
   reading.range_m = range(geometry_.depth(reading.disparity_px));
   collect(disparity_px, {footprint.centre_px, kAround * footprint.radius_px});
-  const auto same = std::count_if(scratch_.begin(), scratch_.end(),
-                                  [&](float d) { return std::abs(d - reading.disparity_px) <= kSameSurface_px; });
+  const auto same =
+      std::count_if(scratch_.begin(), scratch_.end(), [&](float d) { return isSameSurface(d, reading.disparity_px); });
   reading.unity = static_cast<double>(same) / static_cast<double>(scratch_.size());
   return reading;
 }
@@ -123,7 +124,7 @@ const std::vector<float>& BeamFootprint::matchesBeside(const cv::Mat& disparity_
   const auto footprint = at(range_m, beam_width_rad);
   if (!footprint) return scratch_;
   const int pixels = collect(disparity_px, {footprint->centre_px, kBeside * footprint->radius_px});
-  if (scratch_.size() < kFewest * pixels) scratch_.clear();
+  if (scratch_.size() < config_.min_valid_fraction * pixels) scratch_.clear();
   return scratch_;
 }
 

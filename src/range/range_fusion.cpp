@@ -11,6 +11,7 @@ constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotor
 constexpr double kFastest_mps = 10.0;        // a reading that takes a leap to more speed is of another surface
 constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
 constexpr double kSureOfRate = 1.0;          // sigmas
+constexpr int kTooOften = 4;                 // equal readings: noise hardly allows that
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
 constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
@@ -95,8 +96,9 @@ RangeEstimate RangeFusion::at(double stamp_s) const {
   estimate.rate_mps = now.mean[1];
   for (const Sensor sensor : {Sensor::Lidar, Sensor::Stereo}) {
     const SensorTrack& track = now.tracks[static_cast<std::size_t>(sensor)];
-    if (isContradicted(track, stamp_s)) estimate.dissent = Dissent{sensor, track.gated.value};
+    if (isContradicted(track, stamp_s)) estimate.disagreement = Disagreement{sensor, track.gated.value};
   }
+  estimate.lidar_repeats = newest.repetition.readings >= kTooOften;
   return estimate;
 }
 
@@ -146,6 +148,7 @@ void RangeFusion::watchRepetition(Filter& filter, const Reading& reading) const 
       repetition.since_s = reading.stamp_s;
       repetition.speed_mps = std::abs(filter.mean[1]) - kSureOfRate * std::sqrt(filter.covariance(1, 1));
     }
+    ++repetition.readings;
     const double travelled_m = repetition.speed_mps * (reading.stamp_s - repetition.since_s);
     repetition.overdue |= travelled_m > config_.gate_sigma * std::sqrt(reading.variance_m2);
   } else if (std::isnan(repetition.stereo_m)) {
@@ -213,10 +216,11 @@ double RangeFusion::commonVariance(const Filter& filter, const Reading& reading)
   return squared((reading.common_sigma_1pm - filter.common_sigma_1pm) * reading.value * filter.mean[0]);
 }
 
-/// Whether a reading can be of the surface that the filter, predicted to its stamp, follows. In lasting disagreement a
-/// sensor has to come closer to be believed again; a slower one's pause brings none closer.
+/// Whether a reading can be of the surface that the filter, predicted to its stamp, follows. In persistent disagreement
+/// a sensor has to come closer to be believed again; a slower one's pause brings none closer.
 /// @param held_variance_m2 of the range before the prediction.
 bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const {
+  if (std::isinf(config_.gate_sigma)) return true;
   const bool contradicted = isContradicted(filter.tracks[track(reading)], reading.stamp_s);
   const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
   const double reading_m2 = reading.variance_m2 + commonVariance(filter, reading);
@@ -242,11 +246,11 @@ void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
     return reading.stamp_s - earlier.stamp_s <= config_.max_gap_s && agree(earlier, reading);
   };
   const bool recent = reading.stamp_s - track.gated.stamp_s <= config_.max_gap_s;
-  const bool nearer_again = recent && reading.value < track.gated.value && follows(track.passed_over);
+  const bool nearer_again = recent && reading.value < track.gated.value && follows(track.ignored);
   const bool known = follows(track.gated) || nearer_again;
   track.outlier = recent && !known && !track.outlier;
   if (track.outlier) {
-    track.passed_over = reading;
+    track.ignored = reading;
     return;
   }
   if (!known) track.gated_since_s = reading.stamp_s;
@@ -286,12 +290,12 @@ bool RangeFusion::isFollowed(const SensorTrack& track, double stamp_s) const {
   return stamp_s - track.accepted_s <= std::min(track.period_s, config_.max_gap_s) + config_.lasting_s;
 }
 
-/// Whether a sensor is in lasting disagreement with the estimate.
+/// Whether a sensor is in persistent disagreement with the estimate.
 bool RangeFusion::isContradicted(const SensorTrack& track, double stamp_s) const {
   return stamp_s - track.gated.stamp_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
 }
 
-/// Whoever the present estimate followed is in lasting disagreement from now on.
+/// Whoever the present estimate followed is in persistent disagreement from now on.
 void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
   if (!isFollowed(followed, stamp_s)) return;
   followed.gated = {followed.gated.kind, stamp_s, filter.mean[0], filter.covariance(0, 0)};

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
+constexpr double kRemembered_s = 1.0;      // of a contradiction, at most
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is reported when the beam meets nothing
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
@@ -27,14 +28,15 @@ RangeTracker::RangeTracker(const LidarConfig& lidar, const FusionConfig& fusion,
       scale_config_(scale),
       geometry_(geometry),
       has_lidar_(T_C_L.has_value()),
-      beam_(lidar, geometry, T_C_L.value_or(opticalFromForward())),
+      beam_(lidar, geometry, T_C_L.value_or(opticalFromForward()), fusion.disparity_sigma_px),
       fusion_(fusion),
       scale_(scale) {}
 
 /// Where the beam points elsewhere, its range changes as it does where the scene changes, and is followed alike: what
 /// disagreed before still does.
 void RangeTracker::mount(const std::optional<Eigen::Isometry3d>& T_C_L) {
-  beam_ = BeamFootprint(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()));
+  beam_ =
+      BeamFootprint(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()), fusion_config_.disparity_sigma_px);
   if (has_lidar_ != T_C_L.has_value()) {
     fusion_ = RangeFusion(fusion_config_);
     lidar_ = LidarWatch();
@@ -66,6 +68,7 @@ void RangeTracker::fuse(const RangeReading& reading) {
 TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
   fuseReadings(stamp_s);
   TrackedRange tracked;
+  scale_.forgetUntil(stamp_s);
   const RangeEstimate expected = fusion_.at(stamp_s);
   const auto stereo = beam_.read(disparity_px, expected.range_m, lidar_.beamWidth());
   double reference_px = geometry_.disparity(kReferenceDepth_m);
@@ -73,23 +76,58 @@ TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
     learnScale(stamp_s, *stereo, expected);
     reference_px = stereo->disparity_px;
     tracked.range_stereo_m = beam_.range(geometry_.depth(scale_.correct(stereo->disparity_px)));
-    tracked.stereo_outcome =
-        fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m, stereoVariance(*stereo), rigSigma(*stereo));
+    tracked.stereo_outcome = fusion_.add(Sensor::Stereo, stamp_s, tracked.range_stereo_m,
+                                         stereoVariance(*stereo, expected), rigSigma(*stereo));
     counts_.stereo_gated += tracked.stereo_outcome == Outcome::Gated;
   }
   tracked.range = fusion_.at(stamp_s);
   tracked.range_lidar_m = lidarRange(stamp_s);
-  const auto dissents = [&](Sensor sensor) { return tracked.range.dissent && tracked.range.dissent->sensor == sensor; };
-  tracked.lidar_is_slow = lidar_.isSlow(stamp_s);
-  tracked.lidar_is_rejected = lidar_.isRejected();
-  tracked.lidar_range_valid =
-      lidar_.hasValidRange(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !dissents(Sensor::Lidar);
-  const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
-  const bool is_contradicted = dissents(Sensor::Stereo) && !isShownBeside(tracked.range.range_m, disparity_px);
-  tracked.lidar_is_nearer = is_contradicted || too_close;
+  judge(stamp_s, stereo, expected, disparity_px, tracked);
   tracked.scale = scale_.scale(reference_px);
   tracked.scale_sigma = scale_.sigma(reference_px);
   return tracked;
+}
+
+/// What the LiDAR's readings are worth, and whether they contradict stereo.
+/// @param expected before stereo's reading entered.
+void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& stereo, const RangeEstimate& expected,
+                         const cv::Mat& disparity_px, TrackedRange& tracked) {
+  const auto disagrees = [&](Sensor sensor) {
+    return tracked.range.disagreement && tracked.range.disagreement->sensor == sensor;
+  };
+  tracked.lidar_is_slow = lidar_.isSlow(stamp_s);
+  tracked.lidar_is_rejected = lidar_.isRejected();
+  tracked.lidar_range_valid =
+      lidar_.hasValidRange(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !disagrees(Sensor::Lidar);
+  const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
+  const double beyond_px = stereo ? beyondRig(stamp_s, *stereo, expected) : kNaN;
+  const bool is_farther = disagrees(Sensor::Stereo) || beyond_px > 0.0;
+  const bool contradicts = is_farther && !isShownBeside(expected.range_m, disparity_px);
+  remember(stamp_s, contradicts, !is_farther && beyond_px == 0.0);
+  tracked.lidar_is_nearer = too_close || contradicts || contradiction_s_ > 0.0;
+}
+
+/// By how much stereo's disparity misses the one that the LiDAR expects, beyond what a rig that can be put right and
+/// the match explain [px]: positive where stereo is farther. NaN: the LiDAR has no reading.
+double RangeTracker::beyondRig(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) const {
+  if (std::isnan(lidarRange(stamp_s))) return kNaN;
+  return beyondRig(geometry_.disparity(beam_.depth(expected.range_m)), stereo.disparity_px);
+}
+
+double RangeTracker::beyondRig(double expected_px, double disparity_px) const {
+  const double missing_px = expected_px - disparity_px;
+  const double largest_px = scale_.largestError(disparity_px) + fusion_config_.disparity_sigma_px;
+  return missing_px - std::clamp(missing_px, -largest_px, largest_px);
+}
+
+/// A contradiction holds until the two have agreed for as long: in a wood the beam meets now the one, now the other
+/// surface, and a rig that is wrong seems right now and then.
+void RangeTracker::remember(double stamp_s, bool contradicts, bool agrees) {
+  const double since_s = std::isnan(pair_stamp_s_) ? 0.0 : std::min(stamp_s - pair_stamp_s_, kRemembered_s);
+  pair_stamp_s_ = stamp_s;
+  if (contradicts) contradiction_s_ = std::min(contradiction_s_ + since_s, kRemembered_s);
+  if (agrees) contradiction_s_ = std::max(contradiction_s_ - since_s, 0.0);
+  if (lidar_.isSilent(stamp_s, fusion_config_.max_gap_s)) contradiction_s_ = 0.0;
 }
 
 /// Whether the beam met an edge: stereo follows what is behind it, but shows it, too, and does not contradict the
@@ -98,17 +136,19 @@ bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
   const double expected_px = geometry_.disparity(beam_.depth(range_m));
   const std::vector<float>& matches_px = beam_.matchesBeside(matched_px, range_m, lidar_.beamWidth());
   const auto shown = std::count_if(matches_px.begin(), matches_px.end(), [&](float d) {
-    return std::abs(scale_.correct(d) - expected_px) <= BeamFootprint::kSameSurface_px;
+    return beam_.isSameSurface(scale_.correct(d), expected_px) && beyondRig(expected_px, d) <= 0.0;
   });
   return shown > 0 && static_cast<double>(shown) >= kShown * static_cast<double>(matches_px.size());
 }
 
-/// R of D_c: the constant part, and the match's and the footprint's spread in depth (sigma_Z = Z^2/(fB) sigma_d).
-double RangeTracker::stereoVariance(const FootprintReading& stereo) const {
-  const double depth_m = geometry_.depth(stereo.disparity_px);
-  const double match_m = geometry_.depthSigma(depth_m, fusion_config_.disparity_sigma_px);
-  const double spread_m = geometry_.depthSigma(depth_m, stereo.disparity_sigma_px);
-  return fusion_config_.stereo_variance_m2 + match_m * match_m + spread_m * spread_m;
+/// R of D_c: the constant part, and the error of its disparity d by match and footprint. What differs from the expected
+/// range Z' is compared with it in disparity: |Z - Z'| = Z Z'/(fB) |d - d'|. At its own depth alone, sigma_Z =
+/// Z^2/(fB) sigma_d, whatever is far too far would agree with everything.
+double RangeTracker::stereoVariance(const FootprintReading& stereo, const RangeEstimate& expected) const {
+  const double depth_m = geometry_.depth(stereo.disparity_px), expected_m = beam_.depth(expected.range_m);
+  const double sigma_px = std::hypot(fusion_config_.disparity_sigma_px, stereo.disparity_sigma_px);
+  const double between_m = std::sqrt(depth_m * (expected_m > 0.0 ? expected_m : depth_m));
+  return fusion_config_.stereo_variance_m2 + std::pow(geometry_.depthSigma(between_m, sigma_px), 2);
 }
 
 /// One sigma of the inverse range for what is unknown of the rig, the same in all readings: 1/Z = d/(fB) [1/m]. No more
@@ -123,8 +163,8 @@ double RangeTracker::rigSigma(const FootprintReading& stereo) const {
 /// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
 /// and one that repeats itself may be frozen: the scale would follow it away from the truth.
 void RangeTracker::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
-  const bool has_reading = std::isfinite(lidarRange(stamp_s)) && !lidar_.repeatsItself();
-  if (!has_reading || expected.dissent || !std::isfinite(expected.range_m)) return;
+  const bool has_reading = std::isfinite(lidarRange(stamp_s)) && !expected.lidar_repeats;
+  if (!has_reading || !std::isfinite(expected.range_m)) return;
   if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo speak of different surfaces
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);

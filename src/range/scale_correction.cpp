@@ -8,11 +8,8 @@ namespace flight_corridor {
 
 namespace {
 
-// Pairs may ask for more than is ever applied, since far away an offset is a larger share of the disparity: for twice
-// as much where they bring the world nearer, which is the safe side, else for what 1 px is at 8 m with a usual rig.
-constexpr double kLearntInwards = 2.0, kLearntOutwards = 1.3;
 constexpr double kNotSignificant = 1.0, kSignificant = 2.0;  // sigmas: what is learnt is applied not at all, in full
-constexpr double kMatchBias_px = 0.05;  // of all matches of one surface: more of them do not make it smaller
+constexpr double kMatchBias = 0.5;  // sigmas of a match, of all of one surface: more do not make it smaller
 
 }  // namespace
 
@@ -37,7 +34,7 @@ ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
       Eigen::Vector2d(std::pow(config.prior_sigma, 2), std::pow(config.offset_prior_sigma_px, 2)).asDiagonal();
 }
 
-/// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update with a slow random walk of a. d in h is
+/// Measurement h = [d, 1], innovation y = d_expected - (a d + b), Kalman update. d in h is
 /// the likeliest true disparity given both readings: with the measured one its noise would, at one range, pull
 /// a towards 0 without end (errors in variables; Fuller 1987, ch. 1).
 bool ScaleCorrection::update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
@@ -46,18 +43,18 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
   const bool usable = config_.enabled && measured_px > 0.0 && expected_px > 0.0 && sigma_px > 0.0 &&
                       std::isfinite(measured_px + expected_px + sigma_px);
   if (!usable) return false;
-  const double stretch = measured_px / expected_px - 1.0;
-  if (!(-kLearntInwards * config_.max_correction <= stretch && stretch <= kLearntOutwards * config_.max_correction))
-    return false;
-
+  // More is learnt than is ever applied, since far away an offset is a larger share of the disparity.
+  const double applied_px = config_.max_correction * measured_px;
+  const double offset_px = std::min(config_.offset_prior_sigma_px, applied_px), error_px = expected_px - measured_px;
+  const double largest_px = applied_px + (error_px > 0.0 ? 1.0 : 0.5) * offset_px;  // outwards is the dangerous side
+  if (!(std::abs(error_px) <= largest_px)) return false;
+  forgetUntil(stamp_s);
   const double share = std::pow(expected_sigma_px / sigma_px, 2);
   const Eigen::Vector2d h(share * measured_px + (1.0 - share) * (expected_px - mean_[1]) / mean_[0], 1.0);
   const double innovation = expected_px - (mean_[0] * measured_px + mean_[1]);
   const double variance = h.dot(covariance_ * h) + sigma_px * sigma_px;
   if (!(innovation * innovation <= config_.gate_sigma * config_.gate_sigma * variance)) return false;
 
-  if (stamp_s > stamp_s_) covariance_(0, 0) += std::pow(config_.drift_sigma_per_sqrt_s, 2) * (stamp_s - stamp_s_);
-  stamp_s_ = stamp_s;
   const Eigen::Vector2d gain = covariance_ * h / variance;
   mean_ += gain * innovation;
   covariance_ -= gain * (h.transpose() * covariance_).eval();
@@ -66,12 +63,25 @@ bool ScaleCorrection::update(double stamp_s, double measured_px, double expected
   return true;
 }
 
+/// A random walk of both, in proportion to their priors.
+void ScaleCorrection::forgetUntil(double stamp_s) {
+  const double since_s = stamp_s - stamp_s_;
+  const Eigen::Vector2d prior(config_.prior_sigma, config_.offset_prior_sigma_px);
+  if (since_s > 0.0) {
+    const Eigen::Vector2d walk = config_.drift_sigma_per_sqrt_s / config_.prior_sigma * prior;
+    covariance_.diagonal() += since_s * walk.cwiseAbs2();
+  }
+  const Eigen::Vector2d share = prior.cwiseQuotient(covariance_.diagonal().cwiseSqrt()).cwiseMin(1.0);
+  covariance_ = (share.asDiagonal() * covariance_ * share.asDiagonal()).eval();
+  if (!(stamp_s <= stamp_s_)) stamp_s_ = stamp_s;
+}
+
 /// The model, as far as it differs from a faultless rig by more than chance and the matches' bias explain: faultless
 /// below kNotSignificant, itself from kSignificant on (Mahalanobis distance), between the two in proportion.
 Eigen::Vector2d ScaleCorrection::significant() const {
   const Eigen::Vector2d faultless(1.0, 0.0), error = mean_ - faultless;
   Eigen::Matrix2d chance = covariance_;
-  chance(1, 1) += kMatchBias_px * kMatchBias_px;
+  chance(1, 1) += std::pow(kMatchBias * config_.disparity_sigma_px, 2);
   const double sigmas = std::sqrt(error.dot(chance.ldlt().solve(error)));
   const double share = std::clamp((sigmas - kNotSignificant) / (kSignificant - kNotSignificant), 0.0, 1.0);
   return faultless + share * error;
@@ -88,7 +98,7 @@ double ScaleCorrection::disparitySigma(double disparity_px) const {
 }
 
 double ScaleCorrection::largestError(double disparity_px) const {
-  return kLearntInwards * config_.max_correction * disparity_px;
+  return std::max(config_.max_correction * disparity_px, config_.offset_prior_sigma_px);
 }
 
 void correctedDepth(const cv::Mat& disparity_px, const ScaleCorrection& correction, const StereoGeometry& geometry,

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "flight_corridor/stereo/matching_rules.hpp"
 #include "flight_corridor/view/overlay.hpp"
 #include "ros/transforms.hpp"
 
@@ -18,7 +19,6 @@ namespace flight_corridor_ros {
 namespace {
 
 constexpr double kSamePx = 0.01;             // what rounding in a calibration file may differ
-constexpr double kSubpixelStep = 1 / 16.0;   // of StereoSGBM
 constexpr double kLongestLifetime_s = 60.0;  // ros::Duration holds no infinity
 constexpr int kLeastBrightest = 4096;        // of 16 bits: a sixteenth, below which nothing could be matched
 constexpr double kUnitNorm = 0.01;           // what rounding in a quaternion typed by hand may differ
@@ -178,7 +178,7 @@ stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, con
   message.T = static_cast<float>(geometry.calibration().baseline_m);
   message.min_disparity = 0.0f;  // the principal points' difference is taken out
   message.max_disparity = static_cast<float>(geometry.disparity(nearest_m));
-  message.delta_d = kSubpixelStep;
+  message.delta_d = 1.0f / flight_corridor::kSubpixels;  // the matcher's step; averages are finer
   message.valid_window.width = static_cast<std::uint32_t>(disparity_px.cols);
   message.valid_window.height = static_cast<std::uint32_t>(disparity_px.rows);
   cv::Mat marked = disparity_px.clone();

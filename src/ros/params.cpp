@@ -14,18 +14,7 @@ using flight_corridor::Violations;
 // The one place where a key meets its field.
 
 Fields bind(flight_corridor::StereoConfig& c) {
-  return {{"engine", &c.engine},
-          {"num_disparities_px", &c.num_disparities_px},
-          {"min_matched_fraction", &c.min_matched_fraction},
-          {"mode", &c.opencv.mode},
-          {"block_size_px", &c.opencv.block_size_px},
-          {"smoothness_small", &c.opencv.smoothness_small},
-          {"smoothness_large", &c.opencv.smoothness_large},
-          {"uniqueness_percent", &c.opencv.uniqueness_percent},
-          {"left_right_max_px", &c.opencv.left_right_max_px},
-          {"wls_lambda", &c.opencv.wls_lambda},
-          {"wls_sigma", &c.opencv.wls_sigma},
-          {"wls_min_confidence", &c.opencv.wls_min_confidence}};
+  return {{"num_disparities_px", &c.num_disparities_px}, {"min_matched_fraction", &c.min_matched_fraction}};
 }
 
 Fields bind(flight_corridor::LidarConfig& c) {

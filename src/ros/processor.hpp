@@ -53,6 +53,8 @@ class Processor {
   const flight_corridor::Report& report() const { return report_; }
   /// Empty before the first pair.
   const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
+  /// Edge of its cells [m].
+  double cell() const { return empty_map_.getResolution(); }
   /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
   const std_msgs::Header& mapHeader() const { return map_header_; }
   /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.

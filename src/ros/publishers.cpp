@@ -25,7 +25,7 @@ using flight_corridor::Report;
 namespace {
 
 Eigen::Vector3d sizeOf(const flight_corridor::CorridorConfig& corridor) {
-  return flight_corridor::Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m;
+  return flight_corridor::corridorBox(corridor, Eigen::Isometry3d::Identity()).size_m;
 }
 
 }  // namespace
@@ -126,16 +126,16 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
 void Publishers::publishMap(const std_msgs::Header& left_header, const Pipeline& pipeline, const Report& report) {
   std_msgs::Header header = left_header;
   if (!map_frame_.empty()) header.frame_id = map_frame_;
-  const octomap::OcTree& tree = pipeline.map().tree();
-  publish("octomap_binary", [&] { return toBinaryOctomap(header, tree); });
-  publish("octomap_full", [&] { return toFullOctomap(header, tree); });
-  publish("occupied_cells_vis_array", [&] { return toMarkers(header, tree, Cells::Occupied, T_M_G_); });
-  publish("free_cells_vis_array", [&] { return toMarkers(header, tree, Cells::Free, T_M_G_); });
-  publish("octomap_point_cloud_centers", [&] { return toCellCentres(header, tree); });
+  const auto tree = [&]() -> const octomap::OcTree& { return pipeline.map().tree(); };  // built where somebody listens
+  publish("octomap_binary", [&] { return toBinaryOctomap(header, tree()); });
+  publish("octomap_full", [&] { return toFullOctomap(header, tree()); });
+  publish("occupied_cells_vis_array", [&] { return toMarkers(header, tree(), Cells::Occupied, T_M_G_); });
+  publish("free_cells_vis_array", [&] { return toMarkers(header, tree(), Cells::Free, T_M_G_); });
+  publish("octomap_point_cloud_centers", [&] { return toCellCentres(header, tree()); });
   publish("corridor_marker",
           [&] { return toMarker(header, pipeline.box(), report.verdict.state, marker_lifetime_s_); });
   if (!map_frame_.empty()) {
-    publish("projected_map", [&] { return toProjectedMap(header, tree); });
+    publish("projected_map", [&] { return toProjectedMap(header, tree()); });
   } else if (publishers_.at("projected_map").getNumSubscribers() > 0 && projection_warning_.due()) {
     ROS_WARN(
         "projected_map needs a level frame: set map/frame_id (now \"\") to a fixed one, z up. It is not published");

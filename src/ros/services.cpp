@@ -70,7 +70,7 @@ octomap_msgs::GetOctomapResponse Services::fullOctomap(const octomap_msgs::GetOc
 
 QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& request) try {
   const flight_corridor::Box anywhere{Eigen::Isometry3d::Identity(), sizeOf(request)};
-  flight_corridor::throwIfBroken(check(anywhere, processor_.map().getResolution()),
+  flight_corridor::throwIfBroken(check(anywhere, processor_.cell()),
                                  "impossible box");           // also while there is no map
   const Eigen::Isometry3d T_P_F = toPose(request.pose.pose);  // refuses what is none, also while there is no map
   const ros::Time stamp = processor_.mapHeader().stamp;

@@ -2,7 +2,10 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <stdexcept>
+
+#include "flight_corridor/range/pending_readings.hpp"
 
 namespace flight_corridor_ros {
 
@@ -30,14 +33,15 @@ Transforms::Transforms(const ros::NodeHandle& node) {
   spinner_->start();
 }
 
-/// Where the clock was set back, poses of the other time are of no use.
+/// Where the clock was set back, by more than clocks that are set alike differ, poses of the other time are of no use.
 void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
   const ros::Time now = ros::Time::now();
-  if (now < heard_) {
+  if ((heard_ - now).toSec() > flight_corridor::kLongestDelay_s) {
     ROS_WARN("time jumped back: the poses from tf are forgotten");
     buffer_.clear();
+    heard_ = now;
   }
-  heard_ = now;
+  heard_ = std::max(heard_, now);
   for (const auto& transform : message.transforms) add(transform, is_static);
 }
 

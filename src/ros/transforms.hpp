@@ -35,6 +35,9 @@ class Transforms {
   /// What tf2 refuses is left out.
   void add(const geometry_msgs::TransformStamped& transform, bool is_static);
 
+  /// What a topic says.
+  void receive(const tf2_msgs::TFMessage& message, bool is_static);
+
   /// T_target_source at a stamp (ros::Time(0): the newest).
   /// @param timeout_s how long to wait for it [s of wall time: a stopped /clock must not hold the caller].
   /// @return nullopt when tf does not know it by then.
@@ -42,8 +45,6 @@ class Transforms {
                                         double timeout_s = 0.0) const;
 
  private:
-  void receive(const tf2_msgs::TFMessage& message, bool is_static);
-
   tf2_ros::Buffer buffer_;
   ros::Time heard_;  // when the newest message came
   Throttle warning_;

@@ -14,7 +14,7 @@ namespace flight_corridor::sim {
 
 /// A one-dimensional LiDAR: a narrow cone along +x of L.
 struct LidarModel {
-  double rate_hz = 100.0;
+  double rate_hz = 100.0;  ///< 0: none is fitted.
   double min_range_m = 0.2;
   double max_range_m = 100.0;
   double field_of_view_rad = 0.01;  ///< Full width of the cone.

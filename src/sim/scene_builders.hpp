@@ -17,6 +17,7 @@ struct SceneBuilder {
 std::vector<SceneBuilder> structureBuilders();  ///< Walls, gaps, ground: large obstacles.
 std::vector<SceneBuilder> thinBuilders();       ///< Poles, wires, nets, leaves.
 std::vector<SceneBuilder> surfaceBuilders();    ///< What one or both sensors cannot see.
+std::vector<SceneBuilder> bareBuilders();       ///< Paint on which only the light changes.
 std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera's motion.
 std::vector<SceneBuilder> rigBuilders();        ///< Calibrations that are wrong.
 std::vector<SceneBuilder> changeBuilders();     ///< What moves, appears and vanishes.

@@ -13,8 +13,8 @@ namespace {
 const std::map<std::string, SceneBuilder>& builders() {
   static const std::map<std::string, SceneBuilder> kBuilders = [] {
     std::map<std::string, SceneBuilder> by_name;
-    for (const auto& kind : {structureBuilders(), thinBuilders(), surfaceBuilders(), seeingBuilders(), rigBuilders(),
-                             changeBuilders(), placeBuilders()}) {
+    for (const auto& kind : {structureBuilders(), thinBuilders(), surfaceBuilders(), bareBuilders(), seeingBuilders(),
+                             rigBuilders(), changeBuilders(), placeBuilders()}) {
       for (const SceneBuilder& builder : kind) by_name.emplace(builder.name, builder);
     }
     return by_name;

@@ -40,9 +40,10 @@ Scene sceneFor(const SimulationOptions& options) {
   return scene;
 }
 
-/// Ascending times within [0, duration], a period apart.
+/// Ascending times within [0, duration], a period apart; none at a rate of 0.
 std::vector<double> ticks(double duration_s, double rate_hz) {
   std::vector<double> times_s;
+  if (rate_hz == 0.0) return times_s;
   for (int i = 0; i / rate_hz <= duration_s; ++i) times_s.push_back(i / rate_hz);
   return times_s;
 }

@@ -6,8 +6,6 @@
 namespace flight_corridor::sim {
 namespace {
 
-constexpr float kFinest_m = 0.008f;  // nothing finer: a wall has about the same grain everywhere
-
 /// Random value in [-1, 1) of a lattice point: an integer hash whose high bits are well mixed.
 float latticeValue(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t seed) {
   std::uint32_t h = x * 0x8da6b343u + y * 0xd8163841u + z * 0xcb1ab31fu + seed;
@@ -49,7 +47,7 @@ float octaves(const Material& material, const Eigen::Vector3f& p_O, float footpr
   const Eigen::Vector3f p(p_O.x(), p_O.y(), p_O.z() / material.stretch);
   float sum = 0.0f;
   std::uint32_t seed = material.seed;
-  for (float wavelength_m = material.coarsest_m; wavelength_m >= kFinest_m; wavelength_m *= 0.5f) {
+  for (float wavelength_m = material.coarsest_m; wavelength_m >= material.finest_m; wavelength_m *= 0.5f) {
     const float share = survivingShare(wavelength_m, footprint_m);
     if (share == 0.0f) break;
     // Half a cell off the object's origin: flat faces through it must not lie on lattice planes of all octaves at once.

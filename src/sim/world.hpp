@@ -17,6 +17,7 @@ struct Material {
   float grey = 0.45f;             ///< Mean reflectance [0..1].
   float contrast = 0.35f;         ///< Amplitude of the noise texture relative to grey; 0 = blank.
   float coarsest_m = 0.64f;       ///< Wavelength of the coarsest octave of the noise.
+  float finest_m = 0.008f;        ///< No octave is finer: a wall has about the same grain everywhere.
   float stretch = 1.0f;           ///< Of the noise along z of the object: 4 = grain four times as long as wide.
   std::uint32_t seed = 0;         ///< Of the noise.
   float checker_period_m = 0.0f;  ///< Two fields of a chequered pattern along x, y and z of the object; 0 = none.

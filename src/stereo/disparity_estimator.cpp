@@ -3,75 +3,82 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <string>
 
+#include "flight_corridor/stereo/matching_rules.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr int kMostByOpencv_px = 1024;
+std::string describe(const cv::Size& size) { return std::to_string(size.width) + " x " + std::to_string(size.height); }
 
-int threads() { return std::max(1, cv::getNumThreads()); }
+void throwIfUnfit(const cv::Mat& image, const std::string& side, const cv::Size& size) {
+  if (image.size() == size && image.type() == CV_8UC1) return;
+  throw std::invalid_argument("stereo: the " + side + " image is " + describe(image.size()) + " of OpenCV's type " +
+                              std::to_string(image.type()) + ", not " + describe(size) + " of type 0, grey of 8 bits");
+}
+
+GreyImage viewOf(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
+}
+
+MatcherSize matcherSize(const StereoGeometry& geometry, int num_disparities) {
+  return {geometry.size().width, geometry.size().height, smallestDisparity(geometry), num_disparities,
+          static_cast<float>(geometry.principalPointDifference())};
+}
+
+const StereoConfig& valid(const StereoConfig& config, const StereoGeometry& geometry) {
+  throwIfBroken(check(config));
+  if (geometry.size().width <= config.num_disparities_px) {
+    throw std::invalid_argument("stereo/num_disparities_px: below the image's width (" +
+                                std::to_string(config.num_disparities_px) + ", " +
+                                std::to_string(geometry.size().width) + ")");
+  }
+  return config;
+}
 
 }  // namespace
 
 Violations check(const StereoConfig& config) {
   Rules rules("stereo");
-  const bool is_own = config.engine == "semi_global";
-  rules.require(is_own || config.engine == "opencv", "engine", "semi_global or opencv", config.engine);
-  const int most_px = is_own ? kLargestDisparities : kMostByOpencv_px;
-  rules.require(
-      0 < config.num_disparities_px && config.num_disparities_px <= most_px && config.num_disparities_px % 32 == 0,
-      "num_disparities_px", "a multiple of 32, up to " + std::to_string(most_px), config.num_disparities_px);
+  rules.require(0 < config.num_disparities_px && config.num_disparities_px <= kLargestDisparities &&
+                    config.num_disparities_px % 32 == 0,
+                "num_disparities_px", "a multiple of 32, up to " + std::to_string(kLargestDisparities),
+                config.num_disparities_px);
   rules.require(0.0 <= config.min_matched_fraction && config.min_matched_fraction <= 1.0, "min_matched_fraction",
                 "0 to 1", config.min_matched_fraction);
-  Violations broken = rules.broken();
-  for (const std::string& rule : check(config.opencv)) broken.push_back(rule);
-  return broken;
+  return rules.broken();
 }
 
 DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry,
                                        double smallest_obstacle_m)
-    : num_disparities_(config.num_disparities_px), geometry_(geometry), coherent_(geometry, smallest_obstacle_m, threads()) {
-  throwIfBroken(check(config));
-  if (geometry.size().width <= num_disparities_) {
-    throw std::invalid_argument("stereo/num_disparities_px: below the image's width (" +
-                                std::to_string(num_disparities_) + ", " + std::to_string(geometry.size().width) + ")");
-  }
-  if (geometry.size().height < 2) throw std::invalid_argument("images must be 2 or more pixels high");
-  if (config.engine == "opencv") {
-    opencv_ = std::make_unique<OpencvMatcher>(config.opencv, geometry, num_disparities_);
-  } else {
-    semi_global_ = std::make_unique<EvidenceMatcher>(geometry, num_disparities_, threads());
-  }
-}
+    : num_disparities_(valid(config, geometry).num_disparities_px),
+      geometry_(geometry),
+      workers_(std::max(1, cv::getNumThreads())),
+      matcher_(matcherSize(geometry, num_disparities_), workers_),
+      patches_(geometry, smallest_obstacle_m, workers_) {}
 
 void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
-  if (opencv_) {
-    opencv_->match(frame, out);
-  } else {
-    semi_global_->match(frame, out);
-  }
-  out.matched_fraction = coherent_.keep(out.best_px, out.repeated_px) / static_cast<double>(out.best_px.total());
+  match(frame, out);
+  out.matched_fraction = patches_.keep(out.best_px, out.repeated_px) / static_cast<double>(out.best_px.total());
+}
+
+void DisparityEstimator::match(const StereoFrame& frame, DisparityEvidence& out) {
+  const cv::Size size = geometry_.size();
+  throwIfUnfit(frame.left, "left", size);
+  throwIfUnfit(frame.right, "right", size);
+  for (cv::Mat* map : {&out.best_px, &out.repeated_px}) map->create(size, CV_32FC1);
+  for (cv::Mat* map : {&out.flags, &out.competitor_farthest, &out.competitor_nearest}) map->create(size, CV_8UC1);
+  out.set.create(size, CV_8UC(storedDisparities(num_disparities_) / 8));
+  matcher_.match(viewOf(frame.left), viewOf(frame.right),
+                 {out.best_px.ptr<float>(), out.repeated_px.ptr<float>(), out.competitor_farthest.data,
+                  out.competitor_nearest.data, out.flags.data, reinterpret_cast<std::uint64_t*>(out.set.data)});
 }
 
 double DisparityEstimator::nearestDepth() const {
   return geometry_.depth(firstDisparity(geometry_) + num_disparities_ - 1);
-}
-
-/// 0 <= u = fx x/z + cx is fx x + cx z >= 0, and so on; in the right image x is less by the baseline.
-ConvexRegion DisparityEstimator::observable() const {
-  const StereoCalibration& rig = geometry_.calibration();
-  const double last_u_px = rig.size_px.width - 1, last_v_px = rig.size_px.height - 1;
-  ConvexRegion region_C(4, 5);
-  region_C.col(0) << rig.fx_px, 0.0, rig.cx_px, 0.0;
-  region_C.col(1) << -rig.fx_px, 0.0, last_u_px - rig.cx_px, 0.0;
-  region_C.col(2) << 0.0, rig.fy_px, rig.cy_px, 0.0;
-  region_C.col(3) << 0.0, -rig.fy_px, last_v_px - rig.cy_px, 0.0;
-  region_C.col(4) << rig.fx_px, 0.0, rig.cx_right_px, -rig.fx_px * rig.baseline_m;
-  for (int side = 0; side < 5; ++side) region_C.col(side) /= region_C.col(side).head<3>().norm();
-  return region_C;
 }
 
 }  // namespace flight_corridor

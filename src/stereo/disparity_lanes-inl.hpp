@@ -9,8 +9,9 @@
 #include <hwy/highway.h>
 
 #include <cstdint>
+#include <type_traits>
 
-#include "flight_corridor/stereo/census.hpp"
+#include "flight_corridor/stereo/matching_rules.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace flight_corridor {
@@ -86,7 +87,20 @@ HWY_INLINE Vector shiftedDown(Vector vector, Vector above) {
 }
 
 /// Where a value is not above a limit; Highway 1.0.3 compares bytes with a sign only.
-HWY_INLINE hn::Mask<Bytes> atMost(Vector value, Vector limit) { return hn::Eq(hn::Min(value, limit), value); }
+HWY_INLINE hn::Mask<Bytes> atMost(Vector value, Vector limit) {
+#if HWY_TARGET <= HWY_AVX3
+  return hn::Mask<Bytes>{_mm512_cmple_epu8_mask(value.raw, limit.raw)};
+#else
+  return hn::Eq(hn::Min(value, limit), value);
+#endif
+}
+
+/// Puts the bits of a curve's k-th vector into a set.
+HWY_INLINE void addBits(hn::Mask<Bytes> mask, int k, std::uint64_t* set) {
+  std::conditional_t<kLanes == 64, std::uint64_t, std::conditional_t<kLanes == 32, std::uint32_t, std::uint16_t>> bits;
+  hn::StoreMaskBits(Bytes(), mask, reinterpret_cast<std::uint8_t*>(&bits));
+  set[k / kVectorsOfWord] |= std::uint64_t{bits} << k % kVectorsOfWord * kLanes;
+}
 
 /// The curve moved to disparities larger by one; first comes in at the smallest.
 template <int kVectors>

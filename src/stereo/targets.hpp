@@ -8,3 +8,6 @@
 /// The fallback without vector instructions is one of 16 bytes. Highway 1.0.3 leaves it out for GCC before 12.3, which
 /// may vectorise a loop of high halves of products wrongly (GCC bug 106322); there are no products here.
 #define HWY_BROKEN_EMU128 0
+
+/// Processors since Ice Lake and Zen 4 count the bits of bytes at once.
+#define HWY_WANT_AVX3_DL

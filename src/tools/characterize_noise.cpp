@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   options.required("bag", "F.bag", "static recording")
       .optional("samples", "N", "samples to use of each range", "150")
       .optional("config", "C.yaml", "configuration of the node; default: its defaults")
-      .repeatable("set", "key=value", "overrides one key, e.g. stereo/mode=sgbm");
+      .repeatable("set", "key=value", "overrides one key, e.g. stereo/num_disparities_px=64");
   declareBag(options);
   options.notes(
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"

@@ -219,6 +219,7 @@ ResultRow resultRow(const ros::Time& stamp, const Report& report) {
   row.scale = report.scale;
   row.unknown_fraction = report.verdict.unknown_fraction;
   row.times = report.times;
+  row.reasons = describeReasons(report.verdict.reasons);
   return row;
 }
 
@@ -226,11 +227,11 @@ void writeResults(const std::string& path, const std::vector<ResultRow>& rows) {
   std::ofstream file = openForWriting(path);
   file << "stamp,state";
   for (const NumberColumn& column : kResultColumns) file << ',' << column.name;
-  file << '\n';
+  file << ",reasons\n";
   for (ResultRow row : rows) {
     file << formatStamp(row.stamp) << ',' << toString(row.state);
     for (const NumberColumn& column : kResultColumns) file << ',' << formatNumber(column.cell(row), column.decimals);
-    file << '\n';
+    file << ',' << row.reasons << '\n';
   }
   closeWritten(file, path);
 }
@@ -256,6 +257,7 @@ std::vector<ResultRow> readResults(const std::string& path) {
     rows[i].stamp = stamps[i];
     rows[i].state = parseState(table, i);
     for (const NumberColumn& column : kResultColumns) column.cell(rows[i]) = table.number(i, column.name);
+    if (table.has("reasons")) rows[i].reasons = table.text(i, "reasons");
   }
   return rows;
 }

@@ -23,6 +23,7 @@ class CsvTable {
   explicit CsvTable(const std::string& path);
 
   std::size_t size() const { return rows_.size(); }
+  bool has(const std::string& column) const;
   /// @throws std::runtime_error naming file and column when there is no such column, with the header that is there.
   const std::string& text(std::size_t row, const std::string& column) const;
   /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value when it is none.
@@ -33,7 +34,6 @@ class CsvTable {
   [[noreturn]] void fail(std::size_t row, const std::string& column, const std::string& what) const;
 
  private:
-  bool has(const std::string& column) const;
   std::string missing(const std::string& column) const;
   std::size_t index(const std::string& column) const;
   ros::Time stamp(std::size_t row, const std::string& column) const;
@@ -53,6 +53,7 @@ struct ResultRow {
   double range_fused_m = kNaN, range_fused_sigma_m = kNaN, range_lidar_m = kNaN, range_stereo_m = kNaN;
   double scale = kNaN, unknown_fraction = kNaN;
   StageTimes times;
+  std::string reasons;  ///< describeReasons(); "" when none, or when the table is from before they were in it.
 };
 ResultRow resultRow(const ros::Time& stamp, const Report& report);
 

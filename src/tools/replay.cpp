@@ -35,12 +35,6 @@ constexpr char kVerdictTopic[] = "/flight_corridor/corridor";
 constexpr std::size_t kChangesShown = 20;
 constexpr double kSlowestVideo_hz = 1.0;  // AVI holds no slower one
 
-/// A verdict that differs from the one before.
-struct Change {
-  ResultRow row;
-  std::uint32_t reasons;
-};
-
 PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader& bag) {
   if (options.given("overlay-every") && !options.given("overlays")) {
     throw UsageError("--overlay-every needs --overlays, the folder");
@@ -66,7 +60,7 @@ void checkOptionalTopics(const StereoBagReader& bag, const CommandLine& options)
 class VerdictBag {
  public:
   VerdictBag(const std::string& path, const CorridorConfig& corridor)
-      : bag_(path), box_size_m_(Corridor(corridor).box(Eigen::Isometry3d::Identity()).size_m) {}
+      : bag_(path), box_size_m_(corridorBox(corridor, Eigen::Isometry3d::Identity()).size_m) {}
 
   void add(const Answer& answer) {
     const auto verdict = flight_corridor_ros::toMessage(answer.messages.header, answer.report, box_size_m_, kNaN);
@@ -87,12 +81,13 @@ void printCounts(const std::vector<ResultRow>& rows) {
   }
 }
 
-void printChanges(const std::vector<Change>& changes) {
+/// @param changes rows whose verdict differs from the one before.
+void printChanges(const std::vector<ResultRow>& changes) {
   std::printf("changes of verdict:\n  %-20s  %-7s  %9s  %9s  %s\n", "stamp", "verdict", "clear [m]", "d_K [m]", "why");
   for (std::size_t i = 0; i < std::min(changes.size(), kChangesShown); ++i) {
-    const ResultRow& row = changes[i].row;
+    const ResultRow& row = changes[i];
     std::printf("  %-20s  %-7s  %9.3f  %9.3f  %s\n", formatStamp(row.stamp).c_str(), toString(row.state),
-                row.clear_distance_m, row.range_fused_m, describeReasons(changes[i].reasons).c_str());
+                row.clear_distance_m, row.range_fused_m, row.reasons.c_str());
   }
   if (changes.size() > kChangesShown) std::printf("  ... and %zu more\n", changes.size() - kChangesShown);
 }
@@ -178,12 +173,11 @@ int replay(const CommandLine& options) {
   saveMap();  // fails now rather than after the work
   writeResults(options.text("csv"), {});
 
-  std::vector<ResultRow> rows;
-  std::vector<Change> changes;
+  std::vector<ResultRow> rows, changes;
   Progress progress("replay", bag.leftImages());
   const PairStamps heard = replayer.run([&](const Answer& answer) {
     const ResultRow row = resultRow(answer.messages.header.stamp, answer.report);
-    if (rows.empty() || rows.back().state != row.state) changes.push_back({row, answer.report.verdict.reasons});
+    if (rows.empty() || rows.back().state != row.state) changes.push_back(row);
     if (answer.pipeline)
       pictures.add(rows.size(), picture(answer.messages.left, config.ros.scale), *answer.pipeline, answer.report);
     if (verdicts) verdicts->add(answer);

@@ -97,10 +97,6 @@ Config anyConfig(Bytes& bytes) {
   Config config = smallConfig();
   if (bytes.flag()) config.map.frame_id = "odom";
   if (bytes.flag()) return config;
-  constexpr std::array<const char*, 4> kModes{"sgbm", "hh", "3way", "hh4"};
-  config.stereo.opencv.mode = bytes.oneOf(kModes);
-  config.stereo.opencv.block_size_px = bytes.integer(1, 11);
-  if (bytes.integer(0, 7) == 0) config.stereo.engine = "opencv";
   config.corridor.smallest_obstacle_m = bytes.number(0.0, 0.2);
   config.corridor.width_m = bytes.number(0.05, 3.0);
   config.corridor.height_m = bytes.number(0.05, 3.0);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -63,33 +64,35 @@ struct Answers {
       : pixels(static_cast<std::size_t>(size.width_px) * size.height_px),
         words(storedDisparities(size.num_disparities) / 64),
         best(pixels),
-        farthest(pixels),
-        nearest(pixels),
+        repeated(pixels),
         competitor_farthest(pixels),
         competitor_nearest(pixels),
         flags(pixels),
         set(pixels * words) {}
 
   MatchPlanes planes() {
-    return {best.data(),  farthest.data(), nearest.data(), competitor_farthest.data(), competitor_nearest.data(),
+    return {best.data(),  repeated.data(), competitor_farthest.data(), competitor_nearest.data(),
             flags.data(), set.data()};
   }
 
   std::size_t pixels, words;
-  std::vector<float> best;
-  std::vector<std::uint8_t> farthest, nearest, competitor_farthest, competitor_nearest, flags;
+  std::vector<float> best, repeated;
+  std::vector<std::uint8_t> competitor_farthest, competitor_nearest, flags;
   std::vector<std::uint64_t> set;
 };
 
 inline Answers matched(const Pair& pair, const MatcherSize& size, int threads) {
   Answers answers(size);
-  SemiGlobalMatcher(size, threads).match(pair.leftView(), pair.rightView(), answers.planes());
+  BandWorkers workers(threads);
+  SemiGlobalMatcher(size, workers).match(pair.leftView(), pair.rightView(), answers.planes());
   return answers;
 }
 
-inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size) {
+/// @param bands of rows, begun anew.
+inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size, int bands) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const oracle::Volume costs = oracle::costs(pair.leftView(), pair.rightView(), size);
-  const oracle::Volume sums = oracle::sums(pair.leftView(), costs);
+  const oracle::Volume sums = oracle::sums(pair.leftView(), costs, bands);
   Answers answers(size);
   std::vector<std::int16_t> fixed(answers.pixels, kNoSubpixel);
   std::size_t at = 0;
@@ -97,32 +100,42 @@ inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size) {
     for (int u = 0; u < size.width_px; ++u, ++at) {
       const oracle::Minimum minimum = oracle::minimumAt(sums, u, v);
       const int d = minimum.winner;
-      const std::vector<int> competitors = oracle::competitorsAt(costs, u, v, d);
-      answers.farthest[at] = static_cast<std::uint8_t>(minimum.farthest);
-      answers.nearest[at] = static_cast<std::uint8_t>(minimum.nearest);
+      const bool distinct = oracle::isDistinct(costs, u, v, d), is_match = distinct && minimum.flags & kConsistent;
+      const std::vector<int> competitors = is_match ? oracle::competitorsAt(costs, u, v, d) : std::vector<int>();
+      const bool repeated = !competitors.empty() && competitors.front() < d;
       answers.flags[at] = static_cast<std::uint8_t>(minimum.flags | (competitors.empty() ? 0 : kCompetitor) |
-                                                    (oracle::isDistinct(costs, u, v, d) ? kDistinct : 0));
+                                                    (repeated ? kRepeated : 0) | (distinct ? kDistinct : 0));
       answers.competitor_farthest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.front());
       answers.competitor_nearest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.back());
       for (std::size_t i = 0; i < minimum.set.size(); ++i) {
         if (minimum.set[i]) answers.set[at * answers.words + i / 64] |= std::uint64_t{1} << i % 64;
       }
-      if (!(minimum.flags & kConsistent)) continue;
+      if (!is_match) continue;
       const bool inside = 0 < d && d + 1 < size.num_disparities;
-      const WindowMoments moments =
+      const oracle::Moments moments =
           oracle::momentsAt(pair.leftView(), pair.rightView(), u, v, d + size.min_disparity_px);
       const int offset =
-          inside ? subpixelOffset(sums.at(u, v, d - 1), sums.at(u, v, d), sums.at(u, v, d + 1), moments) : 0;
+          inside ? oracle::subpixelOffset(sums.at(u, v, d - 1), sums.at(u, v, d), sums.at(u, v, d + 1), moments) : 0;
       fixed[at] = static_cast<std::int16_t>(d * kSubpixels + offset);
     }
   }
   at = 0;
   for (int v = 0; v < size.height_px; ++v) {
     for (int u = 0; u < size.width_px; ++u, ++at) {
-      answers.best[at] = oracle::averageAt(fixed, size.width_px, size.height_px, u, v);
+      answers.best[at] = answers.repeated[at] = kNone;
+      if (fixed[at] == kNoSubpixel) continue;
+      const int fine = oracle::averageAt(fixed, size.width_px, size.height_px, u, v);
+      const float best_px = static_cast<float>(fine) / static_cast<float>(kSubpixels * kFineSteps) +
+                            (static_cast<float>(size.min_disparity_px) - size.offset_px);
+      if (best_px < -kLargestOffset_px) continue;
+      (answers.flags[at] & kRepeated ? answers.repeated : answers.best)[at] = std::max(best_px, kSmallestDisparity_px);
     }
   }
   return answers;
+}
+
+inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size) {
+  return matchedSlowly(pair, size, oracle::bandsOf(size.height_px));
 }
 
 /// "" where two are equal, bit by bit; otherwise what differs first, and where.
@@ -130,24 +143,25 @@ inline std::string firstDifference(const Answers& one, const Answers& other) {
   for (std::size_t i = 0; i < one.pixels; ++i) {
     const std::string place = " differs at pixel " + std::to_string(i);
     if (one.flags[i] != other.flags[i]) return "flags" + place;
-    if (one.farthest[i] != other.farthest[i]) return "farthest" + place;
-    if (one.nearest[i] != other.nearest[i]) return "nearest" + place;
     if (std::memcmp(&one.set[i * one.words], &other.set[i * one.words], one.words * sizeof(std::uint64_t)) != 0) {
       return "set" + place;
     }
     if (one.competitor_farthest[i] != other.competitor_farthest[i]) return "farthest competitor" + place;
     if (one.competitor_nearest[i] != other.competitor_nearest[i]) return "nearest competitor" + place;
-    const bool both_none = std::isnan(one.best[i]) && std::isnan(other.best[i]);
-    if (!both_none && !(one.best[i] == other.best[i])) {
-      return "best" + place + ": " + std::to_string(one.best[i]) + ", " + std::to_string(other.best[i]);
+    for (const auto plane : {&Answers::best, &Answers::repeated}) {
+      const float a = (one.*plane)[i], b = (other.*plane)[i];
+      if (a == b || (std::isnan(a) && std::isnan(b))) continue;
+      return (plane == &Answers::best ? "best" : "repeated") + place + ": " + std::to_string(a) + ", " +
+             std::to_string(b);
     }
   }
   return "";
 }
 
 inline std::vector<MatcherSize> sizes() {
-  return {{2, 2, 0, 32},     {3, 5, -2, 32},     {31, 7, 0, 64},    {65, 33, -7, 96},  {97, 9, 3, 128},
-          {130, 6, 40, 160}, {75, 11, -90, 128}, {301, 4, -2, 256}, {50, 190, -2, 32}, {33, 305, 1, 64}};
+  return {{2, 2, 0, 32},     {3, 5, -2, 32},           {31, 7, 0, 64},     {65, 33, -7, 96},
+          {97, 9, 3, 128},   {130, 6, 40, 160, 41.7f}, {75, 11, -90, 128}, {301, 4, -2, 256, -0.4f},
+          {50, 190, -2, 32}, {33, 305, 1, 64}};
 }
 
 constexpr Scene kScenes[] = {Scene::Noise, Scene::Surfaces, Scene::Stripes, Scene::Flat};

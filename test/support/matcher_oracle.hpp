@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <climits>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <vector>
 
-#include "flight_corridor/stereo/cost_minima.hpp"
-#include "flight_corridor/stereo/distinct_competitor.hpp"
-#include "flight_corridor/stereo/path_aggregation.hpp"
+#include "flight_corridor/stereo/matching_rules.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
-#include "flight_corridor/stereo/subpixel.hpp"
 
 /// The matcher once more, slow and obvious: whole volumes, one cost at a time, no tricks.
 namespace flight_corridor::oracle {
@@ -112,9 +107,12 @@ inline void addBand(const GreyImage& left, const Volume& cost, int begin_v, int 
   addPath(left, cost, -1, 1, begin_v, first_v, end_v, sums);
 }
 
-inline Volume sums(const GreyImage& left, const Volume& cost) {
+inline int bandsOf(int height_px) {
+  return std::max(1, (height_px + SemiGlobalMatcher::kBand_px / 2) / SemiGlobalMatcher::kBand_px);
+}
+
+inline Volume sums(const GreyImage& left, const Volume& cost, int bands) {
   const int height = cost.size.height_px;
-  const int bands = std::max(1, (height + SemiGlobalMatcher::kBand_px / 2) / SemiGlobalMatcher::kBand_px);
   Volume sum(cost.size, 0);
   for (int band = 0; band < bands; ++band) {
     const int first_v = height * band / bands;
@@ -124,7 +122,7 @@ inline Volume sums(const GreyImage& left, const Volume& cost) {
 }
 
 struct Minimum {
-  int winner = 0, farthest = 0, nearest = 0, flags = 0;
+  int winner = 0, flags = 0;
   std::vector<bool> set;
 };
 
@@ -152,19 +150,15 @@ inline Minimum minimumAt(const Volume& sum, int u, int v) {
   minimum.winner = winnerAt(sum, u, v);
   const int least = sum.at(u, v, minimum.winner);
   for (int d = 0; d < sum.size.num_disparities; ++d) minimum.set.push_back(sum.at(u, v, d) <= least + kContradiction);
-  const auto& set = minimum.set;
-  minimum.farthest = static_cast<int>(std::find(set.begin(), set.end(), true) - set.begin());
-  minimum.nearest = static_cast<int>(set.rend() - std::find(set.rbegin(), set.rend(), true)) - 1;
   const int u_right = u - minimum.winner - sum.size.min_disparity_px;
   if (u_right >= 0 && u_right < sum.size.width_px) {
     const int right_winner = rightWinnerAt(sum, u_right, v);
     if (std::abs(right_winner - minimum.winner) <= kConsistent_px) minimum.flags = kConsistent;
-    if (right_winner > minimum.winner + kConsistent_px) minimum.flags = kHidden;
   }
   return minimum;
 }
 
-/// Cost in a window of 7 x 3, rows of three halved; beyond the image that of its last pixels.
+/// Cost in a window of 7 x 3, columns of three halved, halves upwards; beyond the image that of its last pixels.
 inline int windowCost(const Volume& cost, int u, int v, int d) {
   const int last_u = cost.size.width_px - 1, last_v = cost.size.height_px - 1;
   int sum = 0;
@@ -173,7 +167,7 @@ inline int windowCost(const Volume& cost, int u, int v, int d) {
     for (int dv = -1; dv <= 1; ++dv) {
       column += cost.at(std::clamp(u + du, 0, last_u), std::clamp(v + dv, 0, last_v), d);
     }
-    sum += column / 2;
+    sum += (column + 1) / 2;
   }
   return sum;
 }
@@ -204,10 +198,10 @@ inline std::vector<int> competitorsAt(const Volume& cost, int u, int v, int winn
   const int best = bestAround(window, winner);
   std::vector<int> competitors;
   for (int d = 0; d < cost.size.num_disparities; ++d) {
-    if (!seenByRight(cost.size, u, d) || window[d] > best + DistinctCompetitor::kAsGood) continue;
+    if (!seenByRight(cost.size, u, d) || window[d] > best + kAsGood) continue;
     bool barrier = false;
     for (int between = std::min(d, winner) + 1; between < std::max(d, winner); ++between) {
-      barrier = barrier || window[between] >= best + DistinctCompetitor::kBarrier;
+      barrier = barrier || window[between] >= best + kBarrier;
     }
     if (barrier) competitors.push_back(d);
   }
@@ -223,13 +217,24 @@ inline bool isDistinct(const Volume& cost, int u, int v, int winner) {
   int worse = 0, others = 0;
   for (int d = 0; d < cost.size.num_disparities; ++d) {
     if (!is_whole(d)) continue;
-    ++(window[d] >= best + DistinctCompetitor::kWorse ? worse : others);
+    ++(window[d] >= best + kClearlyWorse ? worse : others);
   }
   return is_whole(winner) && worse >= others;
 }
 
-inline WindowMoments momentsAt(const GreyImage& left, const GreyImage& right, int u, int v, int disparity_px) {
-  WindowMoments sum;
+/// A quotient to the nearest whole number, halves away from zero.
+inline int rounded(std::int64_t part, std::int64_t whole) {
+  const std::int64_t twice = 2 * std::abs(part) + whole;
+  return static_cast<int>((part < 0 ? -1 : 1) * (twice / (2 * whole)));
+}
+
+/// Sums over a window.
+struct Moments {
+  std::int64_t g = 0, e = 0, gg = 0, ge = 0;
+};
+
+inline Moments momentsAt(const GreyImage& left, const GreyImage& right, int u, int v, int disparity_px) {
+  Moments sum;
   for (int dv = -1; dv <= 1; ++dv) {
     for (int du = -3; du <= 3; ++du) {
       const int u_left = u + du, u_right = u_left - disparity_px, row = v + dv;
@@ -245,10 +250,19 @@ inline WindowMoments momentsAt(const GreyImage& left, const GreyImage& right, in
   return sum;
 }
 
-/// Average around a pixel of a plane of sub-pixel disparities.
-inline float averageAt(const std::vector<std::int16_t>& fixed, int width_px, int height_px, int u, int v) {
+/// Where between whole disparities a match lies [1 / kSubpixels px].
+/// @param below, least, above sums at the disparity and one to each side, least the smallest.
+inline int subpixelOffset(int below, int least, int above, const Moments& window) {
+  if (below == least && above == least) return 0;
+  const int p = rounded(kSubpixels * (below - above), 2 * (below + above - 2 * least));
+  const std::int64_t num = 4 * (21 * window.ge - window.g * window.e), den = 21 * window.gg - window.g * window.g;
+  if (std::abs(num) >= den) return p;
+  return rounded(p + rounded(kSubpixels * num + kNoise * p, den + kNoise), 2);
+}
+
+/// Average around a pixel of a plane of sub-pixel indices [1 / (kSubpixels kFineSteps) px].
+inline int averageAt(const std::vector<std::int16_t>& fixed, int width_px, int height_px, int u, int v) {
   const int middle = fixed[static_cast<std::size_t>(v) * width_px + u];
-  if (middle == kNoSubpixel) return std::numeric_limits<float>::quiet_NaN();
   int shift = 0, weight = 0;
   for (int dv = -2; dv <= 2; ++dv) {
     for (int du = -2; du <= 2; ++du) {
@@ -259,7 +273,7 @@ inline float averageAt(const std::vector<std::int16_t>& fixed, int width_px, int
       weight += likeness;
     }
   }
-  return (static_cast<float>(middle) + static_cast<float>(shift) / static_cast<float>(weight)) / kSubpixels;
+  return kFineSteps * middle + kFineSteps * shift / weight;
 }
 
 }  // namespace flight_corridor::oracle

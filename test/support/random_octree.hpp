@@ -4,12 +4,9 @@
 
 #include <random>
 
-#include "flight_corridor/geometry/box.hpp"
-
 namespace flight_corridor::test_support {
 
 inline constexpr double kResolution_m = 0.1;
-inline const ConvexRegion kEverywhere;
 
 /// Of a cell, counted from the origin.
 inline octomap::OcTreeKey keyOf(int x, int y, int z) {

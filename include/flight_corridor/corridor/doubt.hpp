@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -17,15 +16,13 @@ namespace flight_corridor {
 /// counts is a patch of them at one disparity, as large as the smallest obstacle. One object, one thread.
 class Doubt {
  public:
-  /// @param smallest_obstacle_m edge of a square: a patch of its area is doubt enough.
-  Doubt(const StereoGeometry& geometry, double smallest_obstacle_m);
-
-  void setSmallestObstacle(double edge_m) { smallest_m2_ = edge_m * edge_m; }
+  explicit Doubt(const StereoGeometry& geometry);
 
   /// @param evidence of the pair.  @param correction of its disparities.
   /// @param is_lidar_valid its range says how far a pattern behind the box is: its competitors are none.
+  /// @param smallest_m edge of a square: a patch of its area is doubt enough.
   bool isIn(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-            bool is_lidar_valid);
+            bool is_lidar_valid, double smallest_m);
 
   /// CV_8UC1, 255: pixels that isIn() found last.
   cv::Mat image() const;
@@ -33,8 +30,8 @@ class Doubt {
  private:
   void collect(const BoxView& box, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                bool is_lidar_valid);
-  bool holdsPatch(int place, const ScaleCorrection& correction);
-  int root(int label);
+  bool holdsRepeated(double smallest_m2) const;
+  bool holdsPatch(int place, const ScaleCorrection& correction, double smallest_m2);
 
   /// A pixel at one of its disparities.
   struct Candidate {
@@ -42,10 +39,11 @@ class Doubt {
   };
 
   StereoGeometry geometry_;
-  double first_px_, smallest_m2_;
+  double first_px_;
   std::vector<double> corrected_px_;    // a place
   std::vector<Candidate> candidates_;   // in the order of the pixels
-  double repeated_m2_ = 0.0;            // of repeated matches that are in the box whichever of their places is right
+  std::vector<double> repeated_m2_;     // of repeated matches that are in the box whichever of their places is right,
+                                        // by the place of the match
   std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
   std::vector<int> labels_;             // a pixel; -1: none
   std::vector<int> parents_, sizes_;    // a label

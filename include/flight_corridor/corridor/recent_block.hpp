@@ -1,11 +1,9 @@
 #pragma once
 
-#include <memory_resource>
-#include <optional>
+#include <vector>
 
+#include "flight_corridor/corridor/box_patches.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
-#include "flight_corridor/geometry/box.hpp"
-#include "flight_corridor/map/occupancy_map.hpp"
 
 namespace flight_corridor {
 
@@ -14,33 +12,23 @@ namespace flight_corridor {
 class RecentBlock {
  public:
   /// @param hold_s for so long FREE waits for what may be missed.
-  RecentBlock(double hold_s, double cell_m) : hold_s_(hold_s), cell_m_(cell_m) {}
+  explicit RecentBlock(double hold_s) : hold_s_(hold_s) {}
 
   /// From now on FREE waits for so long.
   void setHold(double hold_s) { hold_s_ = hold_s; }
 
-  /// Something blocks the box. It cannot be missed if the newest image shows it and every cell that is hit in the box
-  /// belongs to something large: to a group of cells that touch each other, to what touches these, or to what lies
-  /// behind their outline.
-  /// @param verdict with its stamp and clear distance.
-  /// @param beam_end_m along the box's axis, where the beam ends in the box.
-  /// @param newest map of the newest image, in C.
-  /// @param box in C.
-  /// @param memory for scratch.
-  void note(const Verdict& verdict, const std::optional<double>& beam_end_m, const OccupancyMap& newest, const Box& box,
-            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+  /// Something blocks the box. It cannot be missed if the newest pair shows it, and shows it large.
+  /// @param verdict with its stamp and clear distance.  @param patches of the newest pair.
+  void onBlocked(const Verdict& verdict, const std::vector<BoxPatch>& patches, double smallest_m);
 
-  /// Within hold_s: after what may be missed, after what stood at the box's edge while a cell near the box is hit, and
-  /// while one that touches it is.
-  bool mayRemain(double stamp_s, const OccupancyMap& newest, const Box& box) const;
+  /// Within hold_s: after what may be missed, and after what stood at the box's edge while something still does.
+  bool mayRemain(double stamp_s, const std::vector<BoxPatch>& patches, double smallest_m) const;
 
   /// Of another rig's images: all that blocked may be missed by the new one.
   void takeOver(const RecentBlock& before) { blocked_s_ = missable_s_ = before.blocked_s_; }
 
  private:
-  double reach() const;
-
-  double hold_s_, cell_m_;
+  double hold_s_;
   // Stamps of the last BLOCKED: by anything, by what may be missed, by what reached no farther than the box's edge.
   double blocked_s_ = -kInfinity, missable_s_ = -kInfinity, edge_s_ = -kInfinity;
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "flight_corridor/corridor/box_inspector.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/types.hpp"
@@ -16,30 +17,31 @@ const char* toString(State state);
 
 /// Why the verdict is what it is: a bit set, the same numbers as in CorridorState.msg.
 enum Reason : std::uint32_t {
-  kOccupiedCell = 1u << 0,    ///< BLOCKED: an occupied cell intersects the box.
-  kShortRange = 1u << 1,      ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
-  kUnobserved = 1u << 2,      ///< UNKNOWN: too much of the box has not been seen, or was not believed.
-  kNoData = 1u << 3,          ///< UNKNOWN: no stereo pair, or the newest one is too old, or from before the last one.
-  kNoPose = 1u << 4,          ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
-  kBadImage = 1u << 5,        ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
+  kOccupiedCell = 1u << 0,  ///< BLOCKED: a patch of matches, or a cell that the map remembers, is in the box.
+  kShortRange = 1u << 1,    ///< BLOCKED: the fused range ends inside the box, or may by one sigma.
+  kUnobserved = 1u << 2,  ///< UNKNOWN: somewhere in the box the smallest obstacle could stand unseen, or too much of it
+                          ///< is out of view.
+  kNoData = 1u << 3,      ///< UNKNOWN: no stereo pair, or the newest one is too old, or from before the last one.
+  kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is none.
+  kBadImage = 1u << 5,    ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo that sees nothing before
                               ///< the corridor's last quarter.
   kNoDisparity = 1u << 7,     ///< UNKNOWN: hardly a pixel matched (no texture, saturated, covered lens).
-  kDisagreement = 1u << 8,    ///< Information: LiDAR and stereo disagree lastingly; the nearer one rules.
-  kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or its rate fell below a third; stereo answers alone,
-                       ///< or nearly so.
+  kDisagreement = 1u << 8,    ///< Information: LiDAR and stereo disagree persistently; the nearer one rules.
+  kNoLidar = 1u << 9,  ///< Information: no usable LiDAR reading, or it pauses thrice as long as of late; stereo answers
+                       ///< alone, or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
   kRecentlyBlocked =
-      1u << 12,             ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
-                            ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
-  kFrozenImage = 1u << 13,  ///< UNKNOWN: an image equals one of the last eight under another stamp.
-  kAmbiguous = 1u << 14,    ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
-                            ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
-  kWeakEvidence = 1u << 15,      ///< UNKNOWN: points in a cell of the box, too few for a hit: a bare obstacle's outline, or
-                            ///< mistakes.
-  kLidarNearer = 1u << 16,  ///< UNKNOWN: the LiDAR met something lastingly nearer than stereo sees, which shows nothing
-                            ///< there beside the beam either; or it says that something is too close to be measured.
+      1u << 12,              ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that is not
+                             ///< seen to have gone: thin, small, at the box's edge still, or not shown by the images.
+  kFrozenImage = 1u << 13,   ///< UNKNOWN: an image equals one of the last eight under another stamp.
+  kAmbiguous = 1u << 14,     ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
+                             ///< in it as well; or it may be a railing whose bars were taken for the wall behind.
+  kWeakEvidence = 1u << 15,  ///< UNKNOWN: a patch in the box, too small to block, too large for chance.
+  kLidarNearer = 1u << 16,   ///< UNKNOWN: the LiDAR met something nearer than stereo sees, persistently or by more than
+                             ///< the rig explains, and stereo shows nothing there beside the beam either; or it says
+                             ///< that something is too close to be measured.
 };
 
 /// The rule: BLOCKED or UNKNOWN where a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. One that nobody
@@ -54,13 +56,16 @@ struct Verdict {
   double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double unknown_fraction = 1.0;   ///< Unobserved share of the box's observable volume [0..1]; Corridor::inspect().
-  std::uint32_t reasons = 0;       ///< Bit set of Reason.
+  double unknown_fraction = 1.0;  ///< Share of the box's volume that both cameras see, but no clear ray crosses [0..1].
+  std::uint32_t reasons = 0;      ///< Bit set of Reason.
 };
 
-/// What the map says of a box.
-/// @param max_unknown_fraction corridor/max_unknown_fraction.
-std::uint32_t reasonsOf(const CorridorOccupancy& occupancy, double max_unknown_fraction);
+/// What a pair shows of a box.
+/// @param clear_distance_m to what blocks; +inf: nothing does.
+std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m);
+
+/// Whether somewhere in view the smallest obstacle could stand unseen.
+bool hasHole(const Unobserved& unobserved, const CorridorConfig& config);
 
 /// What the two sensors say of the beam.
 std::uint32_t reasonsOf(const TrackedRange& tracked);

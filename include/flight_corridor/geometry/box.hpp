@@ -33,16 +33,8 @@ bool contains(const Eigen::Vector3d& size_m, const Eigen::Vector3d& point_F);
 /// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
 
-/// The box as a region of M.
-ConvexRegion inside(const Box& box);
-
-/// What lies farther along the box's axis than a distance from its start.
-ConvexRegion beyond(const Box& box, double distance_m);
-
 /// Of its corners, along z of M [m].
 double farthestCorner(const Box& box);
-
-/// What lies in both.
-ConvexRegion intersection(const ConvexRegion& one, const ConvexRegion& other);
+double nearestCorner(const Box& box);
 
 }  // namespace flight_corridor

@@ -18,59 +18,40 @@ namespace flight_corridor {
 /// (after Reijgwart et al. 2023), by descending from the root only into cubes that may hold free cells.
 class FreeSpace {
  public:
-  static constexpr unsigned kBlockDepth = EvidenceTree::kDepth - 4;  ///< Of cubes searched by a thread each.
-
-  /// Free children of a cube of the octree.
-  struct FreeChildren {
-    octomap::OcTreeKey key;  // of the cube's lowest cell
-    unsigned depth;          // of the cube, 0 = root
-    unsigned children;       // bit i: child i
+  /// A cube of the octree.
+  struct Cube {
+    octomap::OcTreeKey key;  // of its lowest cell
+    unsigned depth;          // 0 = root
   };
-
-  using FreeCubes = std::vector<FreeChildren>;
 
   /// @param nearest_m depth of the nearest surface that would have been seen: nothing nearer is shown free.
   FreeSpace(const MapConfig& config, const StereoGeometry& geometry, double nearest_m);
 
-  /// All free cells, by large cubes that hold nothing else; within a block by the largest.
+  /// All free cells, by the largest cubes that hold nothing else.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
-  /// @return lists of neighbours; which threads found them makes no difference.
-  const std::vector<FreeCubes>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
+  const std::vector<Cube>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
  private:
-  struct Parts;
-
-  /// A cube of the octree, known to it or not.
-  struct Cube {
-    octomap::OcTreeKey key;    // of its lowest corner's cell
-    unsigned depth;            // 0 = root
-    Eigen::Vector3f centre_C;  // [m]
-    float farthest_m;          // up to where one of its rays is free
+  /// Part of the image, its borders included [px].
+  struct Area {
+    float left, top, right, bottom;
   };
 
-  /// Cubes of one depth, as C sees them.
-  struct Orientation {
-    Eigen::Vector3f reach;         // half extents of the box square to C around a cube [m]
-    float x_m[8], y_m[8], z_m[8];  // from the centre of a cube to those of its eight parts
-  };
-
-  void orientCubes(const Eigen::Isometry3f& T_C_M);
-  void findBelow(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const;
-  unsigned descend(const Cube& cube, FreeCubes& free, std::vector<Cube>* blocks) const;
-  void project(const Cube& cube, Parts& parts) const;
-  void compareWithRays(int least_tiles, Parts& parts) const;
-  int leastTilesOfCells(const Cube& cube) const;
-  bool isBesideView(const Parts& parts, unsigned i, unsigned depth) const;
-  float cellDepth() const { return 2.0f * orientations_.back().reach.z(); }  // of the box around a cell
+  bool findIn(const Cube& cube, const Eigen::Vector3f& centre_C);
+  bool findInChildren(const Cube& cube, const Eigen::Vector3f& centre_C);
+  Area project(const Eigen::Vector3f& centre_C, const Eigen::Vector3f& reach) const;
+  cv::Rect tilesOf(const Area& area) const;
+  int leastTilesOfCells(float far_m) const;
+  const Eigen::Vector3f& reachOfCells() const { return reach_.back(); }
 
   MapConfig config_;
   StereoGeometry geometry_;
   float nearest_m_;
   DepthPyramid pyramid_;
-  std::array<Eigen::Vector3f, 4> view_sides_C_;  // outward normals of the planes through the image's borders
-  std::array<Orientation, EvidenceTree::kDepth + 1> orientations_;  // per depth
-  std::vector<Cube> blocks_;                                        // to be descended into side by side
-  std::vector<FreeCubes> free_ = std::vector<FreeCubes>(1);         // above the blocks, then of each block
+  // Of cubes, per depth: half extents of the box square to C around one [m], and half its edges in C.
+  std::array<Eigen::Vector3f, EvidenceTree::kDepth + 1> reach_;
+  std::array<Eigen::Matrix3f, EvidenceTree::kDepth + 1> half_edges_C_;
+  std::vector<Cube> free_;
 };
 
 }  // namespace flight_corridor

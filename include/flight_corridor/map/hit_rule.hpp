@@ -8,8 +8,7 @@
 
 namespace flight_corridor {
 
-/// What the points in a cell make of it, by its distance: a hit, if they are so many that speckles make none and thin
-/// poles do; or too many to be mistakes.
+/// Whether the points in a cell make a hit: by its distance so many that speckles make none and thin poles do.
 class HitRule {
  public:
   HitRule(const MapConfig& config, const StereoCalibration& calibration)
@@ -18,23 +17,16 @@ class HitRule {
         hit_fraction_(static_cast<float>(config.hit_fraction)) {}
 
   /// @param depth_m of the cell's centre.
-  bool isHit(std::uint32_t points, float depth_m) const { return isShare(hit_fraction_, points, depth_m); }
+  bool isHit(std::uint32_t points, float depth_m) const {
+    return points >= min_points_ && depth_m > 0.0f && face(points, depth_m) >= hit_fraction_;
+  }
 
   /// What share of a full face's points these are: f^2 r^2 / Z^2.
   float face(std::uint32_t points, float depth_m) const {
     return static_cast<float>(points) * depth_m * depth_m / (cell_px_m_ * cell_px_m_);
   }
 
-  /// Whether they are too many to be mistakes, though no hit.
-  bool isUncertain(std::uint32_t points, float depth_m) const { return isShare(kUncertain, points, depth_m); }
-
  private:
-  bool isShare(float share, std::uint32_t points, float depth_m) const {
-    return points >= min_points_ && depth_m > 0.0f && face(points, depth_m) >= share;
-  }
-
-  static constexpr float kUncertain = 0.08f;  // of a full face's: half of what makes a hit
-
   std::uint32_t min_points_;
   float cell_px_m_;  // edge of a cell in the image, times its depth
   float hit_fraction_;

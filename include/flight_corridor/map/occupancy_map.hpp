@@ -3,14 +3,9 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
-#include <cstdint>
-#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <unordered_map>
-#include <vector>
 
-#include "flight_corridor/band_workers.hpp"
-#include "flight_corridor/geometry/box.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/map/evidence_tree.hpp"
 #include "flight_corridor/map/free_space.hpp"
@@ -50,40 +45,20 @@ class OccupancyMap {
 
   const octomap::OcTree& tree() const { return tree_; }
 
-  /// A cell that holds points of the newest image.
-  struct Seen {
-    Eigen::Vector3d centre_M;
-    float depth_m;
-    std::uint32_t points;
-    float face;  // the share of a full face's points that these are
-    bool is_hit;
-  };
-  const std::vector<Seen>& seen() const { return seen_; }
-
-  /// Whether the newest image shows something in a box that makes no hit: a cell centred there holds too many points
-  /// to be mistakes.
-  bool showsOutline(const Box& box_M) const;
-
  private:
-  void addHits(const Eigen::Isometry3f& T_C_M);
-  void addToChildren(const octomap::OcTreeKey& key, unsigned depth, unsigned children, double log_odds);
-  void rememberBlocks(const octomap::OcTreeKey& key, unsigned depth, unsigned children);
+  void addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M);
+  void add(const octomap::OcTreeKey& cube, unsigned depth, double log_odds);
   bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
+  StereoGeometry geometry_;
   EvidenceTree tree_;
   HitRule hit_rule_;
-  PointCounter points_;
   FreeSpace free_space_;
-  std::vector<Seen> seen_;
   octomap::KeyRay beam_;
-  std::pmr::unsynchronized_pool_resource blocks_memory_;
   // Per block, by its lowest cell: stamp of its last evidence.
-  std::pmr::unordered_map<std::uint64_t, double> seen_s_{&blocks_memory_};
-  static constexpr std::uint64_t kNoBlock = ~std::uint64_t{0};
-  std::uint64_t last_block_ = kNoBlock;  // noted last in seen_s_
+  std::unordered_map<octomap::OcTreeKey, double, octomap::OcTreeKey::KeyHash> seen_s_;
   double now_s_ = 0.0;
-  BandWorkers workers_{2};  // the caller, and one that counts points meanwhile
 };
 
 }  // namespace flight_corridor

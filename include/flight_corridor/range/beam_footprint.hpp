@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -30,18 +31,18 @@ struct FootprintReading {
   double disparity_px = kNaN;        ///< Median over the footprint.
   double disparity_sigma_px = kNaN;  ///< Robust spread (1.4826 * median absolute deviation) over the footprint.
   double range_m = kNaN;             ///< Of that disparity, uncorrected, along the beam from the LiDAR's origin.
-  double unity = 0.0;                ///< Share of the matches within six radii that differ by 0.3 px or less [0..1].
+  double unity = 0.0;                ///< Share of the matches within six radii that are of the same surface [0..1].
   Footprint footprint{};
 };
 
 /// Where the LiDAR's beam lies in the left image. LiDAR and camera are not in one place, so the pixel moves with range.
 class BeamFootprint {
  public:
-  static constexpr double kSameSurface_px = 0.3;  ///< Three sigma of a match: far away a pixel is metres.
-
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
+  /// @param disparity_sigma_px of a match.
   /// @throws std::invalid_argument with every broken rule, or when the beam does not look ahead.
-  BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
+  BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L,
+                double disparity_sigma_px);
 
   /// Whether a beam (along +x of L) points no more than 60 degrees off the optical axis: it can meet what is ahead.
   static bool looksAhead(const Eigen::Isometry3d& T_C_L);
@@ -68,8 +69,12 @@ class BeamFootprint {
   std::optional<FootprintReading> read(const cv::Mat& disparity_px, double range_guess_m, double beam_width_rad);
 
   /// Matches within three radii of the beam at a range, where the beam may have met something by its edge; none where
-  /// they are fewer than 0.15 of the pixels.  @return valid until the next call.
+  /// they are fewer than lidar/min_valid_fraction of the pixels.  @return valid until the next call.
   const std::vector<float>& matchesBeside(const cv::Mat& disparity_px, double range_m, double beam_width_rad);
+
+  /// Whether two disparities can be of one surface that faces the camera: within three sigma of a match; far away a
+  /// pixel is metres.
+  bool isSameSurface(double a_px, double b_px) const { return std::abs(a_px - b_px) <= 3.0 * disparity_sigma_px_; }
 
  private:
   int collect(const cv::Mat& disparity_px, const Footprint& circle);
@@ -79,6 +84,7 @@ class BeamFootprint {
   StereoGeometry geometry_;
   Eigen::Vector3d origin_C_;
   Eigen::Vector3d direction_C_;
+  double disparity_sigma_px_;
   std::vector<float> scratch_;
 };
 

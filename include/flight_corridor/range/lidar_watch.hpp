@@ -4,7 +4,7 @@
 
 namespace flight_corridor {
 
-/// What is remembered of a LiDAR: its newest reading, whether it repeats itself, and how fast its readings come.
+/// What is remembered of a LiDAR: its newest reading, the last one that was believed, and how often readings come.
 class LidarWatch {
  public:
   /// A reading, in whatever order; what is older than the newest changes nothing.
@@ -19,24 +19,21 @@ class LidarWatch {
   /// Whether a reading, at most so old, said that something is too close to be measured, -inf (REP-117), and none was
   /// believed since.
   bool isTooClose(double stamp_s, double max_age_s) const;
+  /// Whether no reading came for so long.
+  bool isSilent(double stamp_s, double max_age_s) const { return !(stamp_s - newest_.stamp_s <= max_age_s); }
   bool isRejected() const { return newest_.stamp_s == newest_.stamp_s && !fused_; }
-  /// Equal to the last bit too often to be noise.
-  bool repeatsItself() const;
-  /// At this stamp readings come at less than a third of their best rate of late. Bursts and a late link are no cause.
-  /// For LiDARs of 3 Hz and more.
+  /// Whether the newest pause between readings, up to this stamp, is longer than a link's and than three of late.
   bool isSlow(double stamp_s) const;
   /// Full width of the beam's cone [rad]; 0 before the first reading.
   double beamWidth() const { return newest_.field_of_view_rad; }
 
  private:
-  double rate(double stamp_s) const;
-
   RangeReading newest_;  // its stamp is NaN before the first one
   bool fused_ = false;
-  RangeReading valid_;                         // the last one that was believed, unless a nearer one was not since
-  double too_close_s_ = kNaN;                  // of the last reading that said so, unless one was believed since
-  int repetitions_ = 0;                        // of its range, by the readings before it
-  double rate_hz_ = 0.0, best_rate_hz_ = 0.0;  // at the newest reading, and the best of late
+  RangeReading valid_;          // the last one that was believed, unless a nearer one was not since
+  double too_close_s_ = kNaN;   // of the last reading that said so, unless one was believed since
+  double pause_s_ = kNaN;       // before the newest reading
+  double mean_pause_s_ = kNaN;  // of late
 };
 
 }  // namespace flight_corridor

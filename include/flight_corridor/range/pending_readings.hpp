@@ -21,7 +21,10 @@ class PendingReadings {
  public:
   /// @param stamp_s NaN: the reading has none.
   void put(double stamp_s, Reading reading) {
-    if (waiting_.size() == kMostWaiting) waiting_.erase(waiting_.begin(), waiting_.begin() + kMostWaiting / 2);
+    if (waiting_.size() == kMostWaiting) {
+      waiting_.erase(waiting_.begin(), waiting_.begin() + kMostWaiting / 2);
+      lost_ += kMostWaiting / 2;
+    }
     waiting_.push_back({stamp_s, std::move(reading)});
   }
 
@@ -54,8 +57,8 @@ class PendingReadings {
     pair_stamp_s_ = kNaN;
   }
 
-  /// How many were refused for their stamp.
-  std::uint64_t refused() const { return refused_; }
+  /// How many were refused for their stamp, or gave way to newer ones because no pair came.
+  std::uint64_t refused() const { return refused_ + lost_; }
   /// The last one's stamp less the pair's [s]; NaN: it had none.
   double refusedDifference() const { return difference_s_; }
 
@@ -71,7 +74,7 @@ class PendingReadings {
   std::vector<Waiting> waiting_;
   std::vector<Reading> taken_;  // scratch
   double pair_stamp_s_ = kNaN;  // of the newest pair
-  std::uint64_t refused_ = 0;
+  std::uint64_t refused_ = 0, lost_ = 0;
   double difference_s_ = kNaN;
 };
 

@@ -17,7 +17,7 @@ struct FusionConfig {
   double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
   double disparity_sigma_px = 0.1;          ///< sigma_d of R_stereo: (Z^2/(fB) sigma_d)^2.
   double gate_sigma = 4.0;                  ///< Readings further from the prediction are gated; inf switches it off.
-  double lasting_s = 0.2;                   ///< A sensor gated for so long is in lasting disagreement.
+  double lasting_s = 0.2;                   ///< A sensor gated for so long is in persistent disagreement.
   double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
   double buffer_s = 0.5;                    ///< Readings up to so late are put where they belong.
 };
@@ -29,8 +29,8 @@ enum class Sensor : std::uint8_t { Lidar = 0, Stereo = 1 };
 /// What became of a reading.
 enum class Outcome : std::uint8_t { Accepted, Gated, Reinitialised, TooLate, Invalid };
 
-/// A sensor that is lastingly outside the other's gate.
-struct Dissent {
+/// A sensor that is persistently outside the other's gate.
+struct Disagreement {
   Sensor sensor;   ///< Stereo where both are: the range follows a nearer LiDAR.
   double range_m;  ///< What it says.
 };
@@ -39,9 +39,10 @@ struct Dissent {
 struct RangeEstimate {
   double range_m =
       kNaN;  ///< d_K along the beam, not negative; NaN unless two readings agreed and one came within fusion/max_gap_s.
-  double sigma_m = kNaN;           ///< One sigma of range_m.
-  double rate_mps = kNaN;          ///< Of range_m; negative while the surface comes nearer.
-  std::optional<Dissent> dissent;  ///< None while the sensors agree.
+  double sigma_m = kNaN;                     ///< One sigma of range_m.
+  double rate_mps = kNaN;                    ///< Of range_m; negative while the surface comes nearer.
+  std::optional<Disagreement> disagreement;  ///< None while the sensors agree.
+  bool lidar_repeats = false;                ///< Its readings are equal too often to be noise: it may be frozen.
 };
 
 /// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
@@ -79,12 +80,13 @@ class RangeFusion {
     double period_s = kInfinity;     // from the one before to that
     double gated_since_s = kNaN;
     Reading gated;         // the newest of that run
-    bool outlier = false;  // the last gated reading was of another surface, and was passed over
-    Reading passed_over;   // the last one that was
+    bool outlier = false;  // the last gated reading was of another surface, and was ignored as an outlier
+    Reading ignored;       // the last one that was
     double gatedFor() const { return gated.stamp_s - gated_since_s; }
   };
-  struct Repetition {  // a LiDAR that repeats one value to the last bit, and what was known when that began
+  struct Repetition {  // a LiDAR that repeats one value bit by bit, and what was known when that began
     double lidar_m = kNaN, since_s = kNaN;
+    int readings = 0;
     double speed_mps = 0.0;  // at least, of the range
     double stereo_m = kNaN, stereo_variance_m2 = kNaN;
     int moved = 0;         // stereo readings in a row that are elsewhere: one may be a peak

@@ -19,14 +19,15 @@ struct TrackedRange {
   RangeEstimate range;           ///< d_K at the pair's stamp.
   double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
   double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
-  /// d_K rests on the LiDAR: it is not slow, not in lasting disagreement, and a reading was believed within
+  /// d_K rests on the LiDAR: it is not slow, not in persistent disagreement, and a reading was believed within
   /// fusion/max_gap_s, since when all were of something farther.
   bool lidar_range_valid = false;
-  bool lidar_is_nearer = false;    ///< Than stereo, lastingly, which shows nothing there beside the beam; or too close.
-  bool lidar_is_slow = false;      ///< Its rate fell below a third.
-  bool lidar_is_rejected = false;  ///< Its newest reading was refused or gated.
-  double scale = 1.0;              ///< Depth after / before correction, at D_c (at 4 m without one).
-  double scale_sigma = kNaN;       ///< One sigma of it, for what is unknown of the rig.
+  bool lidar_is_nearer =
+      false;                   ///< Than stereo, persistently, which shows nothing there beside the beam; or too close.
+  bool lidar_is_slow = false;  ///< It pauses thrice as long as of late.
+  bool lidar_is_rejected = false;             ///< Its newest reading was refused or gated.
+  double scale = 1.0;                         ///< Depth after / before correction, at D_c (at 4 m without one).
+  double scale_sigma = kNaN;                  ///< One sigma of it, for what is unknown of the rig.
   Outcome stereo_outcome = Outcome::Invalid;  ///< What became of D_c; Invalid without one.
 };
 
@@ -83,7 +84,12 @@ class RangeTracker {
   void fuseReadings(double stamp_s);
   void fuse(const RangeReading& reading);
   bool isShownBeside(double range_m, const cv::Mat& matched_px);
-  double stereoVariance(const FootprintReading& stereo) const;
+  double stereoVariance(const FootprintReading& stereo, const RangeEstimate& expected) const;
+  void judge(double stamp_s, const std::optional<FootprintReading>& stereo, const RangeEstimate& expected,
+             const cv::Mat& disparity_px, TrackedRange& tracked);
+  double beyondRig(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) const;
+  double beyondRig(double expected_px, double disparity_px) const;
+  void remember(double stamp_s, bool contradicts, bool agrees);
   double rigSigma(const FootprintReading& stereo) const;
   void learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected);
   double lidarRange(double stamp_s) const;
@@ -100,6 +106,9 @@ class RangeTracker {
   PendingReadings<RangeReading> ranges_;
   PendingReadings<Acceleration> accelerations_;
   RangeCounts counts_;
+  double pair_stamp_s_ = kNaN;  // of the newest pair
+  double contradiction_s_ =
+      0.0;  // for so long the LiDAR contradicted stereo, less the time for which they agreed since
 };
 
 }  // namespace flight_corridor

@@ -11,19 +11,20 @@ namespace flight_corridor {
 
 /// Section `scale/`: how wrong the rig may be, and how its error is learnt.
 struct ScaleConfig {
-  bool enabled = true;                     ///< false: depth is f*B/d as calibrated.
-  double max_correction = 0.15;            ///< Largest relative change of a depth.
-  double prior_sigma = 0.07;               ///< How wrong the calibration's scale is expected to be.
-  double offset_prior_sigma_px = 0.7;      ///< How wrong its disparity offset is expected to be.
-  double disparity_sigma_px = 0.1;         ///< Of a learnt pair's match.
-  double drift_sigma_per_sqrt_s = 0.0005;  ///< Slow forgetting of the scale.
-  double gate_sigma = 3.0;                 ///< Pairs further from the model are not learnt from.
+  bool enabled = true;                    ///< false: depth is f*B/d as calibrated.
+  double max_correction = 0.15;           ///< Largest relative change of a depth.
+  double prior_sigma = 0.07;              ///< How wrong the calibration's scale is expected to be.
+  double offset_prior_sigma_px = 0.7;     ///< How wrong its disparity offset is expected to be.
+  double disparity_sigma_px = 0.1;        ///< Of a learnt pair's match.
+  double drift_sigma_per_sqrt_s = 0.001;  ///< Slow forgetting of the scale; of the offset in the priors' proportion.
+  double gate_sigma = 3.0;                ///< Pairs further from the model are not learnt from.
 };
 Violations check(const ScaleConfig& config);
 
 /// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's:
 /// d_true = a*d + b, a Bayesian linear regression in disparity. With one range only, the prior shares the error between
-/// a (baseline, focal length) and b (relative yaw); a varying range separates them. What is learnt is applied once it
+/// a (baseline, focal length) and b (relative yaw); a varying range separates them. Both are forgotten slowly: heat and
+/// knocks change a rig. What is learnt is applied once it
 /// is significant: a faultless rig stays as it is.
 class ScaleCorrection {
  public:
@@ -34,6 +35,9 @@ class ScaleCorrection {
   /// @return whether the pair passed the gate.
   bool update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
               double expected_sigma_px);
+
+  /// What is known becomes less certain until a stamp, at most as uncertain as it was at first.
+  void forgetUntil(double stamp_s);
 
   /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
   double correct(double disparity_px) const {
@@ -47,7 +51,8 @@ class ScaleCorrection {
   double sigma(double disparity_px) const;
   /// One sigma of a corrected disparity, for what is unknown of the rig alone [px].
   double disparitySigma(double disparity_px) const;
-  /// Larger errors of a disparity are not taken for the rig's [px].
+  /// What a rig that can be put right is off by at most [px]: what is ever applied, or one sigma of the offset, which
+  /// far away is more.
   double largestError(double disparity_px) const;
 
  private:

@@ -1,26 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <type_traits>
 
 namespace flight_corridor {
 
 /// Sets of disparities as bits: disparity d is bit d % 64 of word d / 64.
-
-/// Calls what is compiled for each number of words, 1 to 4, with the number as a constant.
-template <class Function>
-void withWords(int words, const Function& function) {
-  switch (words) {
-    case 1:
-      return function(std::integral_constant<int, 1>());
-    case 2:
-      return function(std::integral_constant<int, 2>());
-    case 3:
-      return function(std::integral_constant<int, 3>());
-    default:
-      return function(std::integral_constant<int, 4>());
-  }
-}
 
 /// Place of the lowest bit of a word that is not 0.
 inline int lowestBit(std::uint64_t word) { return __builtin_ctzll(word); }
@@ -59,23 +43,6 @@ inline int lastBitTo(const std::uint64_t* set, int words, int place) {
     if (bits != 0) last = 64 * word + highestBit(bits);
   }
   return last;
-}
-
-/// How many bits of a word are set: without the processor's own instruction, which not every one has, no call.
-inline int countOfBits(std::uint64_t word) {
-  word -= word >> 1 & 0x5555555555555555u;
-  word = (word & 0x3333333333333333u) + (word >> 2 & 0x3333333333333333u);
-  word = (word + (word >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-  return static_cast<int>(word * 0x0101010101010101u >> 56);
-}
-
-/// How many bits lie between two places, both included; 0 where the last is before the first.
-inline int bitsBetween(const std::uint64_t* set, int words, int first, int last) {
-  int bits = 0;
-  for (int word = 0; word < words; ++word) {
-    bits += countOfBits(bitsFrom(bitsTo(set[word], word, last), word, first));
-  }
-  return bits;
 }
 
 inline int firstBit(const std::uint64_t* set, int words) { return firstBitFrom(set, words, 0); }

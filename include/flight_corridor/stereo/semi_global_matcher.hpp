@@ -1,14 +1,23 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "flight_corridor/band_workers.hpp"
-#include "flight_corridor/stereo/census.hpp"
-#include "flight_corridor/stereo/subpixel.hpp"
 
 namespace flight_corridor {
+
+/// Grey image of 8 bits as plain memory; a view.
+struct GreyImage {
+  const std::uint8_t* pixels = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;  ///< Bytes from row to row.
+
+  const std::uint8_t* row(int v) const { return pixels + v * stride; }
+};
 
 /// Images that a matcher is made for, and the disparities it searches.
 struct MatcherSize {
@@ -16,47 +25,52 @@ struct MatcherSize {
   int height_px = 0;
   int min_disparity_px = 0;  ///< Of u_l - u_r; may be negative.
   int num_disparities = 0;   ///< A multiple of 32, up to kLargestDisparities.
+  float offset_px = 0.0f;    ///< What u_l - u_r holds too much: cx_l - cx_r.
 };
 
-/// Where a matcher writes what it finds: planes of width x height without gaps between the rows. All disparities are
-/// indices: u_l - u_r less min_disparity_px.
+/// What is known of a pixel's match: a bit set.
+enum MatchFlag : std::uint8_t {
+  kConsistent = 1u << 0,  ///< The right view's best match is the same, within kConsistent_px.
+  kCompetitor = 1u << 1,  ///< Of a match: another disparity, a barrier away, fits a small window as well.
+  kDistinct = 1u << 2,    ///< The costs of its own window are clearly lower at its best disparity than at half of all.
+  kRepeated = 1u << 3,    ///< Such a competitor lies farther away.
+};
+
+/// Where a matcher writes what it finds: planes of width x height without gaps between the rows. Indices of disparities
+/// are those of the bits: u_l - u_r less min_disparity_px.
 struct MatchPlanes {
-  float* best;                       ///< Sub-pixel; NaN unless kConsistent, also where not kDistinct.
-  std::uint8_t *farthest, *nearest;  ///< Bounds of the set of disparities that the images do not contradict.
-  std::uint8_t *competitor_farthest, *competitor_nearest;  ///< Of the competitors, where flags has kCompetitor.
+  float* best;      ///< Sub-pixel match [px], offset_px removed, of pixels with kConsistent and kDistinct; else NaN.
+  float* repeated;  ///< Such a match with kRepeated is here and not in best.
+  std::uint8_t *competitor_farthest, *competitor_nearest;  ///< Indices, where flags has kCompetitor.
   std::uint8_t* flags;                                     ///< Bits of MatchFlag.
-  std::uint64_t* set;  ///< The set: bit d % 64 of word d / 64; storedDisparities() / 64 words a pixel.
+  std::uint64_t* set;  ///< {d : S(d) <= min S + kContradiction}: bit d % 64 of word d / 64; whole words a pixel.
 };
 
 /// Semi-global matching (Hirschmueller 2008) that keeps its doubt: for each pixel the best disparity and all those that
-/// the images do not contradict. Bands of rows are matched side by side; each begins some rows before its first one, so
-/// that its paths are settled there. Bands depend on the image's height alone: the result does not depend on how many
-/// threads, or which vector instructions, work on it.
-/// One object, one caller at a time; no memory is allocated after construction.
+/// the images do not contradict; matching_rules.hpp has the rules. Bands of rows are matched side by side; each begins
+/// some rows before its first one, so that its paths are settled there. Bands depend on the image's height alone: the
+/// result does not depend on how many threads, or which vector instructions, work on it.
+/// One object, one caller at a time; its memory is reused.
 class SemiGlobalMatcher {
  public:
   static constexpr int kBand_px = 120;  ///< Rows of a band: four at VGA, so that two to four cores share them evenly.
-  static constexpr int kRunUp_px = 24;  ///< Rows before a band, of three paths only: P2 has been paid off by then.
+  static constexpr int kRunUp_px = 24;  ///< Rows before a band, of three paths only: one match in 400 shows the seams.
 
-  /// @param threads that work, the caller's included; 1 or more.
-  /// @throws std::invalid_argument naming what is impossible of the size or the threads.
-  SemiGlobalMatcher(const MatcherSize& size, int threads);
+  /// @param workers must outlive it.
+  /// @throws std::invalid_argument naming what is impossible of the size.
+  SemiGlobalMatcher(const MatcherSize& size, BandWorkers& workers);
   ~SemiGlobalMatcher();
 
   /// @param left, right rectified, of the constructor's size.  @param out refilled.
   void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out);
 
-  /// For further work on what was found.
-  BandWorkers& workers() { return threads_; }
-
  private:
-  struct Worker;
+  struct Memory;
 
   MatcherSize size_;
   int bands_;
-  SubpixelPlane subpixels_;
-  std::vector<std::unique_ptr<Worker>> workers_;  // one a thread
-  BandWorkers threads_;                           // last: nothing of the above goes before the threads do
+  BandWorkers& workers_;
+  std::unique_ptr<Memory> memory_;
 };
 
 }  // namespace flight_corridor

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "flight_corridor/band_workers.hpp"
+#include "flight_corridor/corridor/box_patches.hpp"
+#include "flight_corridor/corridor/clear_rays.hpp"
+#include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/corridor/doubt.hpp"
+#include "flight_corridor/corridor/holes.hpp"
+#include "flight_corridor/geometry/box_view.hpp"
+
+namespace flight_corridor {
+
+/// What one stereo pair gave, for whatever box is asked about; views.
+struct PairEvidence {
+  const StereoFrame& images;
+  const DisparityEvidence& disparity;
+  const cv::Mat& depth_m;   ///< CV_32FC1, corrected, NaN = no match.
+  const cv::Mat& textured;  ///< CV_8UC1, see Texture.
+  const ClearRays& rays;
+  const ScaleCorrection& correction;
+  double nearest_m;  ///< Nothing nearer is matched.
+};
+
+/// What a pair shows of a box.
+struct BoxEvidence {
+  std::vector<BoxPatch> patches;  ///< In it and close beside it.
+  Unobserved unobserved;
+  bool is_ambiguous = false;  ///< Matches behind it fit in it as well.
+};
+
+/// Looks at a box with a pair's eyes: presence, absence and doubt, each by patches as large as the smallest obstacle.
+/// One object, one thread.
+class BoxInspector {
+ public:
+  explicit BoxInspector(const StereoGeometry& geometry);
+
+  /// @param from_m depth from which on the box must be seen.
+  /// @param is_lidar_valid the LiDAR measured what its beam meets in the view of the box's end.
+  /// @return valid until the next call.
+  const BoxEvidence& inspect(const Box& box_C, const PairEvidence& pair, double from_m, double smallest_m,
+                             bool is_lidar_valid, BandWorkers& workers);
+
+  /// Of the last box.
+  const Unobserved& unobserved() const { return evidence_.unobserved; }
+  /// CV_8UC1, 255: pixels that are matched behind the last box, but fit in it as well.
+  cv::Mat doubtful() const { return doubt_.image(); }
+
+ private:
+  StereoGeometry geometry_;
+  BoxView view_;
+  BoxPatches patches_;
+  Holes holes_;
+  Doubt doubt_;
+  BoxEvidence evidence_;
+};
+
+}  // namespace flight_corridor

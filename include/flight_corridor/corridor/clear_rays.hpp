@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "flight_corridor/band_workers.hpp"
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/range/scale_correction.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
+
+namespace flight_corridor {
+
+/// How far the rays of both cameras are clear, by one pair: up to what they meet. A match says so of its ray in either
+/// camera where it stands on texture, and of a repeated pattern its nearest place does. A run of pixels without
+/// texture, whose two ends stand on texture, is no nearer than the nearer of these, where the right image shows it
+/// between the same two ends: an edge that crosses the rows belongs to the nearer of the two surfaces beside it. One
+/// object, one caller at a time.
+class ClearRays {
+ public:
+  explicit ClearRays(const StereoGeometry& geometry);
+
+  /// @param left, right CV_8UC1, where the images have texture, see Texture.
+  void look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
+            const ScaleCorrection& correction, BandWorkers& workers);
+
+  /// Whether the ray of a left pixel, or that of the right camera to the same point, is clear there.
+  /// @param at_px disparity of the point, corrected.  @param shift_px by which the right pixel lies to the left of u.
+  bool isClear(int u, int v, float at_px, int shift_px) const {
+    return met_left_px_.at<float>(v, u) < at_px ||
+           (shift_px <= u && u - shift_px < met_right_px_.cols && met_right_px_.at<float>(v, u - shift_px) < at_px);
+  }
+
+ private:
+  void lookAlong(int v, const DisparityEvidence& evidence, const std::uint8_t* textured,
+                 const ScaleCorrection& correction);
+  void clearTexturelessRuns(int v, const DisparityEvidence& evidence, const std::uint8_t* left,
+                            const std::uint8_t* right);
+
+  StereoGeometry geometry_;
+  double first_px_;  // smallest disparity searched
+  cv::Mat met_left_px_,
+      met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, noise included; +inf: not
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace flight_corridor {
+
+/// Where an image has texture along its rows. A match elsewhere is chance: noise agrees, or paths carry a neighbour's
+/// disparity. What counts is the variance of the difference of pixels four columns apart over a window, against that of
+/// the image's own noise; a ramp of light has none. One object, one thread.
+class Texture {
+ public:
+  /// @param grey CV_8UC1.  @return CV_8UC1, 255 where there is texture; valid until the next call.
+  const cv::Mat& find(const cv::Mat& grey);
+
+  /// Of the last image.
+  const cv::Mat& mask() const { return textured_; }
+
+  /// One sigma of a pixel's noise in the last image [grey levels]: in a scene without smooth places also of its
+  /// texture.
+  double noise() const { return noise_; }
+
+ private:
+  void findRow(const cv::Mat& grey, int v, int enough);
+
+  double noise_ = 0.0;
+  cv::Mat textured_;
+  std::vector<float> spreads_;               // of blocks
+  std::vector<std::int32_t> sum_, squares_;  // of differences, a column of the window
+};
+
+}  // namespace flight_corridor

@@ -1,0 +1,97 @@
+#include "flight_corridor/corridor/clear_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "flight_corridor/stereo/match_error.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
+constexpr int kBands = 8;       // of rows, side by side
+constexpr int kEndMatches = 3;  // beside a run without texture, at least
+
+}  // namespace
+
+ClearRays::ClearRays(const StereoGeometry& geometry)
+    : geometry_(geometry),
+      first_px_(firstDisparity(geometry)),
+      met_left_px_(geometry.size(), CV_32FC1),
+      met_right_px_(geometry.size(), CV_32FC1) {}
+
+void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
+                     const ScaleCorrection& correction, BandWorkers& workers) {
+  workers.run(kBands, [&](int band, int) {
+    const int rows = met_left_px_.rows;
+    for (int v = rows * band / kBands; v < rows * (band + 1) / kBands; ++v) {
+      lookAlong(v, evidence, left.ptr(v), correction);
+      clearTexturelessRuns(v, evidence, left.ptr(v), right.ptr(v));
+    }
+  });
+}
+
+/// The right camera meets the nearest of what is matched there.
+void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::uint8_t* textured,
+                          const ScaleCorrection& correction) {
+  const int width = met_left_px_.cols;
+  const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
+  const std::uint8_t* competitor = evidence.competitor_nearest.ptr(v);
+  auto *left = met_left_px_.ptr<float>(v), *right = met_right_px_.ptr<float>(v);
+  std::fill_n(right, width, -kUnknown_px);
+  for (int u = 0; u < width; ++u) {
+    left[u] = kUnknown_px;
+    const bool is_repeated = std::isnan(best[u]);
+    const float match_px = is_repeated ? repeated[u] : best[u];
+    if (std::isnan(match_px)) continue;
+    const float nearest_px = is_repeated ? std::max(match_px, static_cast<float>(competitor[u] + first_px_)) : match_px;
+    const float met_px = textured[u]
+                             ? static_cast<float>(correction.correct(nearest_px)) + static_cast<float>(kMatchNoise_px)
+                             : kUnknown_px;
+    left[u] = met_px;
+    const int u_right = static_cast<int>(std::lround(u - match_px - geometry_.principalPointDifference()));
+    if (0 <= u_right && u_right < width) right[u_right] = std::max(right[u_right], met_px);
+  }
+  std::replace(right, right + width, -kUnknown_px, kUnknown_px);
+}
+
+/// An end is the nearest of the matches in a strip beside the run as wide as an edge's. The right image must be without
+/// texture, too, for such a strip inside the run where that end's disparity puts it: what is smeared in both images, or
+/// ends elsewhere, is no surface. A run that reaches the image's side
+/// has one end.
+void ClearRays::clearTexturelessRuns(int v, const DisparityEvidence& evidence, const std::uint8_t* left,
+                                     const std::uint8_t* right) {
+  const int width = met_left_px_.cols;
+  auto* met_px = met_left_px_.ptr<float>(v);
+  const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
+  /// @param beside first pixel of the strip outside.  @param inside first pixel of the strip in the run.
+  const auto endOf = [&](int beside, int inside, int strip) {
+    int matches = 0, nearest = -1;
+    for (int u = std::max(0, beside); u < std::min(beside + kEdgeWidth_px, width); ++u) {
+      if (!left[u] || !(met_px[u] < kUnknown_px)) continue;
+      if (nearest < 0 || met_px[u] > met_px[nearest]) nearest = u;
+      ++matches;
+    }
+    if (matches < kEndMatches) return kUnknown_px;
+    const float match_px = std::isnan(best[nearest]) ? repeated[nearest] : best[nearest];
+    const int shift = static_cast<int>(std::lround(match_px + geometry_.principalPointDifference()));
+    int textured = 0;
+    for (int u = inside - shift; u < inside - shift + strip; ++u) textured += u < 0 || u >= width || right[u];
+    return 4 * textured <= strip ? met_px[nearest] : kUnknown_px;
+  };
+  for (int u = 0, end = 0; u < width; u = end) {
+    end = u + 1;
+    if (left[u]) continue;
+    while (end < width && !left[end]) ++end;
+    if (u == 0 || end == width) continue;
+    const int strip = end - u > 2 * kEdgeWidth_px ? kEdgeWidth_px : 0;  // shorter gaps are of noise
+    const float one_px = endOf(u - kEdgeWidth_px, u, strip), other_px = endOf(end, end - strip, strip);
+    std::fill(met_px + u, met_px + end, std::max(one_px, other_px));
+  }
+}
+
+}  // namespace flight_corridor

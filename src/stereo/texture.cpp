@@ -1,0 +1,87 @@
+#include "flight_corridor/stereo/texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace flight_corridor {
+
+namespace {
+
+constexpr int kAcross_px = 4, kAlong_px = 2;  // reach of the window, 9 x 5: the census's, and two rows more
+constexpr int kApart_px = 2;                  // pixels are compared so far to either side: blur is no wider
+constexpr int kWindow = (2 * kAcross_px + 1) * (2 * kAlong_px + 1);
+constexpr double kAboveNoise = 2.0;  // of the variance of noise alone, which is off by a fifth over such a window
+constexpr int kBlock_px = 16;
+constexpr double kSmoothest = 0.2;                               // share of the blocks: those show noise alone
+constexpr double kLeastNoise_grey = 0.7, kMostNoise_grey = 6.0;  // rounding; a scene that is texture all over
+constexpr int kDark = 2, kBright = 250;                          // beyond these, noise is clipped
+
+/// RMS of second differences along the rows of a block, of which noise has six times its variance (after Immerkaer
+/// 1996); NaN where the block is clipped.
+float spreadOf(const cv::Mat& grey, int u0, int v0) {
+  int squares = 0, clipped = 0;
+  for (int v = v0; v < v0 + kBlock_px; ++v) {
+    const std::uint8_t* row = grey.ptr(v);
+    for (int u = u0; u < u0 + kBlock_px; ++u) {
+      const int second = row[u - 1] - 2 * row[u] + row[u + 1];
+      squares += second * second;
+      clipped += row[u] <= kDark || row[u] >= kBright;
+    }
+  }
+  constexpr int kPixels = kBlock_px * kBlock_px;
+  return 10 * clipped < kPixels ? std::sqrt(static_cast<float>(squares) / (6.0f * kPixels)) : NAN;
+}
+
+double noiseOf(const cv::Mat& grey, std::vector<float>& spreads) {
+  spreads.clear();
+  for (int v = 0; v + kBlock_px <= grey.rows; v += kBlock_px) {
+    for (int u = 1; u + kBlock_px < grey.cols; u += kBlock_px) {
+      if (const float spread = spreadOf(grey, u, v); !std::isnan(spread)) spreads.push_back(spread);
+    }
+  }
+  if (spreads.empty()) return kMostNoise_grey;
+  const auto smooth = spreads.begin() + static_cast<std::ptrdiff_t>(kSmoothest * spreads.size());
+  std::nth_element(spreads.begin(), smooth, spreads.end());
+  return std::clamp<double>(*smooth, kLeastNoise_grey, kMostNoise_grey);
+}
+
+}  // namespace
+
+const cv::Mat& Texture::find(const cv::Mat& grey) {
+  noise_ = noiseOf(grey, spreads_);
+  textured_.create(grey.size(), CV_8UC1);
+  const int enough = static_cast<int>(kAboveNoise * 2.0 * noise_ * noise_ * kWindow * kWindow);
+  const auto rowAt = [&](int v) { return grey.ptr(std::clamp(v, 0, grey.rows - 1)); };
+  sum_.assign(grey.cols, 0);
+  squares_.assign(grey.cols, 0);
+  const auto add = [&](int v, int sign) {
+    const std::uint8_t* row = rowAt(v);
+    for (int u = kApart_px; u < grey.cols - kApart_px; ++u) {
+      const int difference = row[u + kApart_px] - row[u - kApart_px];
+      sum_[u] += sign * difference;
+      squares_[u] += sign * difference * difference;
+    }
+  };
+  for (int v = -kAlong_px; v < kAlong_px; ++v) add(v, 1);
+  for (int v = 0; v < grey.rows; ++v) {
+    add(v + kAlong_px, 1);
+    findRow(grey, v, enough);
+    add(v - kAlong_px, -1);
+  }
+  return textured_;
+}
+
+/// Columns beyond the image hold no difference: near its sides there is less texture.
+void Texture::findRow(const cv::Mat& grey, int v, int enough) {
+  std::uint8_t* textured = textured_.ptr(v);
+  int sum = 0, squares = 0;
+  for (int u = 0; u < std::min(kAcross_px, grey.cols); ++u) sum += sum_[u], squares += squares_[u];
+  for (int u = 0; u < grey.cols; ++u) {
+    if (u + kAcross_px < grey.cols) sum += sum_[u + kAcross_px], squares += squares_[u + kAcross_px];
+    textured[u] = kWindow * squares - sum * sum > enough ? 255 : 0;
+    if (u >= kAcross_px) sum -= sum_[u - kAcross_px], squares -= squares_[u - kAcross_px];
+  }
+}
+
+}  // namespace flight_corridor

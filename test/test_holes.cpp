@@ -1,0 +1,165 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "flight_corridor/corridor/holes.hpp"
+#include "support/calibrations.hpp"
+#include "support/corridor_box.hpp"
+#include "support/evidence.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using test_support::kBlind_m;
+using test_support::kCorridor;
+using test_support::kSmallest_m;
+using test_support::kVgaGeometry;
+using test_support::texturedAllOver;
+using test_support::uniformEvidence;
+
+constexpr int kWall_px = 1;  // at 42 m
+constexpr double kNearest_m = 0.33;
+
+class HolesTest : public testing::Test {
+ protected:
+  Unobserved find(const Box& box = kCorridor, double nearest_m = kNearest_m) {
+    const ScaleCorrection correction((ScaleConfig()));
+    BoxView view(kVgaGeometry);
+    view.look(box, kBlind_m);
+    ClearRays rays(kVgaGeometry);
+    BandWorkers workers(1);
+    const cv::Mat textured = texturedAllOver(kVgaGeometry.size());
+    rays.look(evidence_, textured, textured, correction, workers);
+    return Holes(kVgaGeometry).find(box, view, rays, correction, kBlind_m, nearest_m, kSmallest_m);
+  }
+
+  /// Something of which nothing is matched hides the wall from both cameras.
+  void hide(const cv::Rect& pixels, int disparity_px) {
+    evidence_.best_px(pixels) = kNaN;
+    evidence_.best_px(pixels - cv::Point(disparity_px - kWall_px, 0)) = kNaN;
+  }
+
+  /// Its front at a disparity.
+  static cv::Rect square(const cv::Point& middle, double edge_m, int disparity_px) {
+    const int edge_px = static_cast<int>(std::ceil(edge_m / kVgaGeometry.pixelEdge(disparity_px)));
+    return {middle - cv::Point(edge_px / 2, edge_px / 2), cv::Size(edge_px, edge_px)};
+  }
+
+  DisparityEvidence evidence_ = uniformEvidence(kVgaGeometry.size(), kWall_px);
+};
+
+TEST_F(HolesTest, WhereNothingIsMatchedTheHoleIsAsLargeAsTheBoxsSection) {
+  evidence_.best_px = kNaN;
+  const Unobserved unobserved = find();
+  EXPECT_NEAR(unobserved.hole_m, 0.4, 0.4 * kSmallest_m) << "the box's height, less what the strides leave";
+  EXPECT_EQ(unobserved.fraction, 1.0);
+}
+
+TEST_F(HolesTest, AWallBehindTheBoxLeavesNone) {
+  const Unobserved unobserved = find();
+  EXPECT_EQ(unobserved.hole_m, 0.0);
+  EXPECT_TRUE(std::isnan(unobserved.hole_depth_m));
+  EXPECT_EQ(unobserved.fraction, 0.0);
+  EXPECT_LT(unobserved.end_out_of_view, 0.05);
+}
+
+TEST_F(HolesTest, BehindAWallInTheBoxAllIsOne) {
+  const double wall_m = 2.0;
+  evidence_ = uniformEvidence(kVgaGeometry.size(), kVgaGeometry.disparity(wall_m));
+  const Unobserved unobserved = find();
+  EXPECT_NEAR(unobserved.hole_m, 0.4, 0.4 * kSmallest_m);
+  EXPECT_GT(unobserved.hole_depth_m, wall_m);
+  EXPECT_GT(unobserved.fraction, 0.4);
+}
+
+/// Nothing of it is seen at its depth; farther away the right camera sees behind it, more than what a pixel there is
+/// larger.
+TEST_F(HolesTest, ASquareThatIsClearedNowhereIsFoundWhereItIs) {
+  for (const int disparity_px : {16, 20, 28}) {
+    for (const cv::Point& middle : {cv::Point(320, 240), cv::Point(300, 232)}) {
+      evidence_ = uniformEvidence(kVgaGeometry.size(), kWall_px);
+      const cv::Rect pixels = square(middle, 1.2 * kSmallest_m, disparity_px);
+      hide(pixels, disparity_px);
+      const Unobserved unobserved = find();
+      const double pixel_m = kVgaGeometry.pixelEdge(disparity_px), depth_m = kVgaGeometry.depth(disparity_px);
+      // Between two depths, 6 % from the nearest one, as much of it is seen from beside; and strides are lost.
+      const double lost_px = 0.06 * disparity_px + 2.0;
+      EXPECT_GT(unobserved.hole_m, (pixels.width - lost_px) * pixel_m) << disparity_px << " px";
+      EXPECT_LT(unobserved.hole_m, 1.06 * (pixels.width + 1.0) * pixel_m) << disparity_px << " px";
+      EXPECT_NEAR(unobserved.hole_depth_m, depth_m, 0.12 * depth_m) << disparity_px << " px";
+      const cv::Rect around = pixels - cv::Point(2, 2) + cv::Size(4, 4);  // two strides
+      EXPECT_EQ(unobserved.hole_px & around, unobserved.hole_px) << pixels;
+      EXPECT_LT(unobserved.fraction, 0.01);
+    }
+  }
+}
+
+TEST_F(HolesTest, WhatIsHiddenFromOneCameraAloneIsNone) {
+  evidence_.best_px(cv::Rect(300, 225, 20, 30)) = kNaN;
+  Unobserved unobserved = find();
+  EXPECT_NEAR(unobserved.hole_m, 10.5 * kVgaGeometry.pixelEdge(10.5), 0.02) << "the right camera sees 9.5 of 20 px";
+  EXPECT_NEAR(unobserved.hole_depth_m, 4.0, 0.1);
+  evidence_.best_px(cv::Rect(300, 225, 20, 30)) = kWall_px;
+  evidence_.best_px(cv::Rect(300, 225, 8, 30)) = kNaN;  // less than the cameras' difference at the end
+  EXPECT_EQ(find().hole_m, 0.0);
+}
+
+TEST_F(HolesTest, ScatteredPixelsWithoutAMatchAreNone) {
+  cv::Mat share(kVgaGeometry.size(), CV_32FC1);
+  cv::RNG(3).fill(share, cv::RNG::UNIFORM, 0.0, 1.0);
+  evidence_.best_px.setTo(kNaN, share < 0.1);
+  const Unobserved unobserved = find();
+  EXPECT_LT(unobserved.hole_m, 0.5 * kSmallest_m);
+  EXPECT_LT(unobserved.fraction, 0.05);
+}
+
+TEST_F(HolesTest, BesideTheBoxNobodyLooks) {
+  for (const cv::Rect& beside : {cv::Rect(0, 0, 640, 40), cv::Rect(0, 440, 640, 40)}) {
+    evidence_.best_px(beside) = kNaN;
+    EXPECT_EQ(find().hole_m, 0.0);
+  }
+}
+
+TEST_F(HolesTest, ABoxThatIsTurnedAsideIsOutOfView) {
+  for (const double yaw_deg : {50.0, -50.0, 90.0, 180.0}) {
+    const Eigen::AngleAxisd yaw(yaw_deg * M_PI / 180.0, Eigen::Vector3d::UnitZ());
+    const Unobserved unobserved = find({opticalFromForward() * yaw, kCorridor.size_m});
+    EXPECT_GT(unobserved.out_of_view, 0.5) << yaw_deg;
+    EXPECT_GT(unobserved.end_out_of_view, 0.5) << yaw_deg;
+  }
+}
+
+TEST_F(HolesTest, NothingNearerThanIsMatchedIsOneButItIsUnobserved) {
+  evidence_.best_px = kNaN;
+  const double nearest_m = 2.0;
+  EXPECT_GT(find(kCorridor, nearest_m).hole_depth_m, nearest_m);
+  evidence_ = uniformEvidence(kVgaGeometry.size(), kWall_px);
+  const Unobserved unobserved = find(kCorridor, nearest_m);
+  EXPECT_EQ(unobserved.hole_m, 0.0);
+  const Unobserved far_only = find(kCorridor, 5.0);
+  EXPECT_EQ(far_only.hole_m, 0.0);
+  EXPECT_EQ(far_only.fraction, 1.0);
+  EXPECT_GT(unobserved.fraction, 0.2);
+  EXPECT_LT(unobserved.fraction, 0.8);
+}
+
+TEST_F(HolesTest, AMatchLessNeverMakesLessOfThem) {
+  cv::RNG random(9);
+  double hole_m = 0.0, fraction = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    const cv::Rect pixels(random.uniform(150, 450), random.uniform(180, 280), random.uniform(5, 40),
+                          random.uniform(5, 40));
+    evidence_.best_px(pixels) = kNaN;
+    const Unobserved unobserved = find();
+    EXPECT_GE(unobserved.hole_m, hole_m) << i;
+    EXPECT_GE(unobserved.fraction, fraction) << i;
+    hole_m = unobserved.hole_m;
+    fraction = unobserved.fraction;
+  }
+  EXPECT_GT(hole_m, 2.0 * kSmallest_m);
+}
+
+}  // namespace
+}  // namespace flight_corridor
