@@ -9,11 +9,12 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kStep = 1.12;         // from a depth to the next
-constexpr double kJustInside = 0.999;  // of the box's end: there its rays leave it
-constexpr int kPerObstacle = 6;        // pixels looked at along the smallest obstacle, at the most
-constexpr double kNearest_m = 0.05;    // nearer no camera is in focus
-constexpr double kFarShare = 0.25;     // of the box's depth: its end
+constexpr double kStep = 1.12;          // from a depth to the next
+constexpr double kJustInside = 0.999;   // of the box's end: there its rays leave it
+constexpr int kPerObstacle = 6;         // pixels looked at along the smallest obstacle, at the most
+constexpr double kFarthest_m = 1000.0;  // a box has an end, whatever its pose
+constexpr double kNearest_m = 0.05;     // nearer no camera is in focus
+constexpr double kFarShare = 0.25;      // of the box's depth: its end
 
 /// Of a part of a box.
 struct Volume {
@@ -62,7 +63,7 @@ void Holes::search(Plane& plane, const BoxView& view, const ClearRays& rays) {
 Unobserved Holes::find(const Box& box_C, const BoxView& view, const ClearRays& rays, const ScaleCorrection& correction,
                        double from_m, double nearest_m, double smallest_m) {
   const StereoCalibration& rig = geometry_.calibration();
-  const double end_m = farthestCorner(box_C), begin_m = std::max(0.0, nearestCorner(box_C));
+  const double end_m = std::min(farthestCorner(box_C), kFarthest_m), begin_m = std::max(0.0, nearestCorner(box_C));
   const double far_from_m = end_m - kFarShare * (end_m - begin_m);
   Volume all, end;
   double too_near_m3 = 0.0;

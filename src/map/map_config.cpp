@@ -2,12 +2,20 @@
 
 namespace flight_corridor {
 
+namespace {
+
+constexpr double kMostCells = 160.0;  // along an axis: twice as many take ten seconds
+
+}  // namespace
+
 Violations check(const MapConfig& config) {
   Rules rules("map");
   rules.require(0.01 <= config.resolution_m && config.resolution_m <= 1.0, "resolution_m", "0.01 to 1",
                 config.resolution_m);
   rules.require(config.max_range_m > config.resolution_m && config.max_range_m <= 100.0, "max_range_m",
                 "above resolution_m, up to 100", config.max_range_m);
+  rules.require(config.max_range_m <= kMostCells * config.resolution_m, "max_range_m", "up to 160 cells of resolution_m",
+                config.max_range_m);
   rules.require(0.0 < config.hit_fraction && config.hit_fraction <= 1.0, "hit_fraction", "above 0, up to 1",
                 config.hit_fraction);
   rules.require(config.min_hit_points >= 1, "min_hit_points", "1 or more", config.min_hit_points);
