@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr unsigned kBlockCells = 16;  // blocks of 16 x 16 x 16 cells are forgotten together
+constexpr double kMostCellsAlongARay = 320.0;  // from the camera to the corner of the view
+constexpr unsigned kBlockCells = 16;           // blocks of 16 x 16 x 16 cells are forgotten together
 
 octomap::point3d toOctomap(const Eigen::Vector3d& p) {
   return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
@@ -21,6 +23,17 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
       tree_(config.resolution_m),
       hit_rule_(config, geometry.calibration()),
       free_space_(config, geometry, nearest_m) {
+  double longest_ray = 0.0;
+  for (const int u : {0, geometry.size().width - 1}) {
+    for (const int v : {0, geometry.size().height - 1})
+      longest_ray = std::max(longest_ray, geometry.point(u, v, 1.0).norm());
+  }
+  Rules rules("map");
+  const double smallest_m = config.max_range_m * longest_ray / kMostCellsAlongARay;
+  rules.require(config.resolution_m >= smallest_m, "resolution_m",
+                "at least " + std::to_string(smallest_m) + " with this max_range_m and field of view",
+                config.resolution_m);
+  throwIfBroken(rules.broken());
   tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
   tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
   tree_.setProbHit(octomap::probability(config.log_odds_hit));
