@@ -28,7 +28,7 @@ struct Pair {
 
 /// The best correlation of a range; -1 where there is none.
 float best(const WindowMatcher& matcher, int u, int v, int first_px, int last_px) {
-  std::pmr::vector<float> correlations;
+  std::vector<float> correlations;
   matcher.correlations(u, v, first_px, last_px, correlations);
   return correlations.empty() ? -1.0f : *std::max_element(correlations.begin(), correlations.end());
 }
@@ -64,7 +64,7 @@ TEST(WindowMatcher, GivesTheCorrelationOfEachDisparityWhoseWindowsAreWhole) {
   const Pair pair;
   constexpr int kReach_px = WindowMatcher::kReach_px;
   const WindowMatcher matcher(pair.left, pair.right, {0, 40});
-  std::pmr::vector<float> correlations;
+  std::vector<float> correlations;
   EXPECT_EQ(matcher.correlations(kU, kV, 3, 20, correlations), 20);
   ASSERT_EQ(correlations.size(), 18u);
   for (int px = 3; px <= 20; ++px) {

@@ -41,13 +41,11 @@ constexpr double kFartherShare = 0.1;      // of it, at least
 class SecondMatches {
  public:
   SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, double nearest_m,
-                const StereoGeometry& geometry, std::pmr::memory_resource* memory)
+                const StereoGeometry& geometry)
       : geometry_(geometry),
-        matcher_(pair.left, pair.right, rows, memory),
+        matcher_(pair.left, pair.right, rows),
         nearest_px_(wholePixels(geometry.disparity(nearest_m))),
-        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))),
-        correlations_(memory),
-        offsets_px_(memory) {}
+        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))) {}
 
   /// Looks at a window on a surface. A match counts that is as good as the best at or behind the surface, with a worse
   /// one between the two, and between any two.
@@ -79,7 +77,7 @@ class SecondMatches {
   }
 
   /// By how much larger the disparities of the last window's matches in the box are than that of its own.
-  const std::pmr::vector<int>& offsets() const { return offsets_px_; }
+  const std::vector<int>& offsets() const { return offsets_px_; }
 
  private:
   int wholePixels(double disparity_px) const {
@@ -96,8 +94,8 @@ class SecondMatches {
   const StereoGeometry& geometry_;
   WindowMatcher matcher_;
   int nearest_px_, end_px_;
-  std::pmr::vector<float> correlations_;
-  std::pmr::vector<int> offsets_px_;
+  std::vector<float> correlations_;
+  std::vector<int> offsets_px_;
 };
 
 /// A window that has a match in the box.
@@ -107,7 +105,7 @@ struct Bar {
   int offset_px;      // of its match in the box from that
 };
 
-using Bars = std::pmr::vector<Bar>;
+using Bars = std::vector<Bar>;
 
 /// Those of one surface and one offset, give or take a pixel.
 struct Railing {
@@ -134,7 +132,7 @@ Railing railingOf(const Bars& bars, int at_px, int offset_px) {
 
 /// The most of them.
 Railing largestRailing(const Bars& bars) {
-  std::pmr::map<std::pair<int, int>, int> windows(bars.get_allocator());
+  std::map<std::pair<int, int>, int> windows;
   for (const Bar& bar : bars) ++windows[{static_cast<int>(std::lround(bar.surface_px)), bar.offset_px}];
   int most = 0, surface_px = 0, offset_px = 0;
   for (const auto& [key, count] : windows) {
@@ -167,7 +165,7 @@ Railing byItsPitch(const Railing& railing, const Bars& bars) {
 /// too.
 /// @param out_of_view the answer when all those places are.
 double shareInARow(const Railing& railing, const Bars& bars, const cv::Rect& view, double out_of_view) {
-  std::pmr::vector<bool> is_bar(static_cast<std::size_t>(view.area()), bars.get_allocator());
+  std::vector<bool> is_bar(static_cast<std::size_t>(view.area()));
   const auto place = [&](int u, int v) { return is_bar.begin() + (v - view.y) * view.width + u - view.x; };
   for (const Bar& bar : bars) {
     if (railing.has(bar)) *place(bar.at.x, bar.at.y) = true;
@@ -222,15 +220,15 @@ bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_
 }  // namespace
 
 bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
-                  bool is_lidar_valid, const StereoGeometry& geometry, std::pmr::memory_resource* memory) {
+                  bool is_lidar_valid, const StereoGeometry& geometry) {
   const cv::Rect view = viewOfFarPart(box_C, geometry);
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
-  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry, memory);
+  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry);
   const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
   constexpr int kReach_px = WindowMatcher::kReach_px;
   const cv::Rect whole(kReach_px, kReach_px, pair.left.cols - 2 * kReach_px, pair.left.rows - 2 * kReach_px);
-  Bars bars(memory);
+  Bars bars;
   int fitting = 0;
   for (int v = view.y; v < view.br().y; v += rows_px) {
     for (int u = view.x; u < view.br().x; u += kBarStride_px) {

@@ -14,12 +14,10 @@ constexpr float kLeastContrast = 1.0f;     // [grey] of a window, to be divided 
 
 }  // namespace
 
-WindowMatcher::WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows,
-                             std::pmr::memory_resource* memory)
+WindowMatcher::WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows)
     : first_row_(std::max(rows.start - kReach_px, 0)),
       left_(left.rowRange(first_row_, std::min(rows.end + kReach_px, left.rows))),
-      right_(memory),
-      contrast_(left_.total(), kLeastContrast, memory) {
+      contrast_(left_.total(), kLeastContrast) {
   right_.reserve(left_.total());
   for (int v = 0; v < left_.rows; ++v) {
     const auto* row = right.ptr<std::uint8_t>(first_row_ + v);
@@ -31,7 +29,7 @@ WindowMatcher::WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Rang
 /// Standard deviation of each window of the right image; of greys the sums are exact.
 void WindowMatcher::findContrasts() {
   const int last = left_.cols - 1 - kReach_px;
-  std::pmr::vector<float> sums(right_.get_allocator()), squares(right_.get_allocator());
+  std::vector<float> sums, squares;
   for (int v = kReach_px; v + kReach_px < left_.rows; ++v) {
     sums.assign(left_.cols, 0.0f);
     squares.assign(left_.cols, 0.0f);
@@ -50,7 +48,7 @@ void WindowMatcher::findContrasts() {
   }
 }
 
-int WindowMatcher::correlations(int u, int v, int first_px, int last_px, std::pmr::vector<float>& out) const {
+int WindowMatcher::correlations(int u, int v, int first_px, int last_px, std::vector<float>& out) const {
   v -= first_row_;
   out.clear();
   if (v < kReach_px || v + kReach_px >= left_.rows || u < kReach_px || u + kReach_px >= left_.cols) return last_px;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory_resource>
-
 #include "flight_corridor/geometry/box.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
@@ -17,9 +15,7 @@ namespace flight_corridor {
 /// @param depth_m CV_32FC1 of the pair's size, NaN = nothing known.  @param nearest_m that is searched.
 /// @param is_lidar_valid whether the LiDAR's beam meets something in the view of the box's end:
 /// where nearly all windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
-/// @param memory for scratch.
 bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
-                  bool is_lidar_valid, const StereoGeometry& geometry,
-                  std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+                  bool is_lidar_valid, const StereoGeometry& geometry);
 
 }  // namespace flight_corridor

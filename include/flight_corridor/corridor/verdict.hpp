@@ -56,7 +56,7 @@ struct Verdict {
   double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double unknown_fraction = 1.0;  ///< Share of the box's volume that both cameras see, but no clear ray crosses [0..1].
+  double unknown_fraction = 1.0;  ///< Share, of what both cameras see of the box, that no clear ray crosses; of a query out of view, too [0..1].
   std::uint32_t reasons = 0;      ///< Bit set of Reason.
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -13,16 +12,15 @@ class WindowMatcher {
  public:
   static constexpr int kReach_px = 2;  ///< Of a window, from its centre.
 
-  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.  @param memory for scratch.
-  WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows,
-                std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.
+  WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows);
 
   /// Normalised cross-correlation by disparity.
   /// @param first_px, last_px disparities, principal-point difference included.
   /// @param out refilled, from the largest disparity downwards; those whose window is not whole on both images are left
   /// out.
   /// @return the largest disparity in out.
-  int correlations(int u, int v, int first_px, int last_px, std::pmr::vector<float>& out) const;
+  int correlations(int u, int v, int first_px, int last_px, std::vector<float>& out) const;
 
  private:
   void findContrasts();
@@ -31,7 +29,7 @@ class WindowMatcher {
 
   int first_row_;
   cv::Mat left_;
-  std::pmr::vector<float> right_, contrast_;  // the same rows
+  std::vector<float> right_, contrast_;  // the same rows
 };
 
 }  // namespace flight_corridor
