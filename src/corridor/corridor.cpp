@@ -44,8 +44,8 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box) {
   const Eigen::Vector3d forward_M = box.T_M_F.linear().col(0);
   const double half_cell_m = 0.5 * cell_m * forward_M.lpNorm<1>();
   BoxCells cells;
-  octomap::OcTreeKey key;
-  if (!tree.coordToKeyChecked(corner(-1.0), key) || !tree.coordToKeyChecked(corner(1.0), key)) return cells;
+  const double tree_reach_m = 0.5 * tree.getNodeSize(0);
+  if (!((centre(box).cwiseAbs() + reach_M).array() < tree_reach_m).all()) return cells;
   const Eigen::Isometry3d T_F_M = box.T_M_F.inverse();
   const bool is_thin = box.size_m.minCoeff() < cell_m;  // it may hold no cell's centre
   double known = 0.0;
