@@ -28,6 +28,8 @@ Violations check(const Config& config) {
   append(broken, check(config.cloud));
   append(broken, check(config.map));
   append(broken, check(config.corridor));
+  append(broken, check(config.speed));
+  append(broken, check(config.free_areas));
   Rules rules("map");
   const double end_m =
       std::max(0.0, config.corridor.offset_m.x()) + config.corridor.length_m + config.corridor.margin_m;

@@ -19,6 +19,7 @@ constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no eviden
 
 constexpr double kLatestSight = 0.75;    // of the corridor: of its last quarter, the end, most has to be known
 constexpr double kMostUnknown = 0.1;     // of a box that is asked about
+constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
 constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
@@ -212,6 +213,7 @@ void Pipeline::decide() {
     verdict.reasons |= kRecentlyBlocked;
   }
   verdict.state = stateOf(verdict.reasons);
+  verdict.free_distance_m = freeDistance(verdict, shown.unobserved, box_C);
   report_.clears = isTrusted();
 }
 
@@ -257,11 +259,52 @@ Verdict Pipeline::query(const Box& box) const {
       verdict.reasons |= kOccupiedCell;
       verdict.clear_distance_m = std::min(verdict.clear_distance_m, remembered.clear_distance_m);
     }
-    if (!hasHole(unobserved, config_.corridor)) verdict.reasons &= ~kUnobserved;  // memory says the rest
+    if (!unobserved.hasHole()) verdict.reasons &= ~kUnobserved;  // memory says the rest
   }
   if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
   verdict.state = stateOf(verdict.reasons);
   return verdict;
+}
+
+/// By the corridor's rule, for a box that begins at the UAV.
+Verdict Pipeline::judge(const Box& box_C) {
+  Verdict verdict;
+  verdict.stamp_s = report_.verdict.stamp_s;
+  const BoxEvidence& shown =
+      query_inspector_.inspect(box_C, evidence(), config_.corridor.blind_m, smallestInspected(config_.corridor),
+                               !std::isnan(validLidarDepth(box_C)), disparity_estimator_.workers());
+  verdict.reasons = (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
+  verdict.unknown_fraction = shown.unobserved.fraction;
+  verdict.state = stateOf(verdict.reasons);
+  verdict.free_distance_m = freeDistance(verdict, shown.unobserved, box_C);
+  return verdict;
+}
+
+const FreeAreas& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C) {
+  free_areas_ = directions(config_.free_areas);
+  for (FreeArea& area : free_areas_.areas) {
+    area.verdict = judge(corridorBox(config_.corridor, rig_.T_C_F, turnTo(area)));
+  }
+  const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
+  free_areas_.best = bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C),
+                              config_.free_areas.step_rad);
+  return free_areas_;
+}
+
+LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
+  LevelScan scan;
+  scan.step_rad = config_.free_areas.step_rad;
+  const int bins = static_cast<int>(kScanned_rad / scan.step_rad);
+  scan.first_yaw_rad = -bins * scan.step_rad;
+  scan.max_range_m = config_.corridor.length_m;
+  const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
+  for (int bin = -bins; bin <= bins; ++bin) {
+    Box box_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, config_.corridor.height_m}};
+    box_C.T_M_F.rotate(turnTo({bin * scan.step_rad, 0.0, {}}));
+    const Verdict verdict = judge(box_C);
+    scan.range_m.push_back(verdict.state == State::Unknown ? kNaN : verdict.clear_distance_m);
+  }
+  return scan;
 }
 
 /// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the

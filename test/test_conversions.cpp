@@ -262,7 +262,7 @@ TEST(ToMessage, CarriesEveryNumberOfTheReport) {
   report.range_stereo_m = 2.59;
   report.scale = 1.02;
   report.scale_sigma = 0.005;
-  const CorridorState message = toMessage(header("left"), report, {4.0, 1.2, 0.4}, 0.04);
+  const CorridorState message = toMessage(header("left"), report, {4.0, 1.2, 0.4}, {}, 0.04);
   EXPECT_EQ(message.header.frame_id, "left");
   EXPECT_EQ(message.state, CorridorState::BLOCKED);
   EXPECT_EQ(message.clear_distance, 2.5);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/corridor/free_areas.hpp"
+#include "flight_corridor/corridor/safe_speed.hpp"
 #include "flight_corridor/map/map_config.hpp"
 #include "flight_corridor/range/beam_footprint.hpp"
 #include "flight_corridor/range/range_fusion.hpp"
@@ -26,6 +28,8 @@ struct Config {
   CloudConfig cloud;
   MapConfig map;
   CorridorConfig corridor;
+  SpeedConfig speed;
+  FreeAreasConfig free_areas;
 };
 /// Every broken rule of every section.
 Violations check(const Config& config);

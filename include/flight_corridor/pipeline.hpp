@@ -7,6 +7,7 @@
 #include "flight_corridor/corridor/box_inspector.hpp"
 #include "flight_corridor/corridor/clear_rays.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/corridor/free_areas.hpp"
 #include "flight_corridor/corridor/recent_block.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -74,6 +75,15 @@ class Pipeline {
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
 
+  /// Which directions are free now, by the corridor's rule and the last pair.
+  /// @param goal_C wanted direction in C, of any length; absent: along the corridor.
+  /// @return valid until the next call.
+  const FreeAreas& freeAreas(const std::optional<Eigen::Vector3d>& goal_C = std::nullopt);
+
+  /// The nearest obstacles in the view, by the corridor's rule and the last pair.
+  /// @param R_C_H turns vectors of a level frame, x along the heading, z up, into C.
+  LevelScan levelScan(const Eigen::Matrix3d& R_C_H);
+
   /// Cells of the map that meet a box, in the map's frame, are unknown again.
   void clear(const Eigen::AlignedBox3d& box_M) {
     map();
@@ -127,6 +137,7 @@ class Pipeline {
   void updateMap() const;
   void decide();
   PairEvidence evidence() const;
+  Verdict judge(const Box& box_C);
   bool isTrusted() const;
   double validLidarDepth(const Box& box_C) const;
   std::optional<double> beamEndInBox(const Box& box_C) const;
@@ -155,6 +166,7 @@ class Pipeline {
   cv::Mat depth_m_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Report report_;
+  FreeAreas free_areas_;
   Counters counters_;
 };
 

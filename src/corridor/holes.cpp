@@ -28,6 +28,16 @@ struct Volume {
   double outOfView() const { return all_m3 > 0.0 ? std::max(0.0, 1.0 - seen_m3 / all_m3) : 1.0; }
 };
 
+/// To the nearest corner of a rectangle at a depth.
+double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const StereoGeometry& geometry) {
+  const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
+  double along_m = kInfinity;
+  for (const int u : {at_px.x, at_px.br().x}) {
+    for (const int v : {at_px.y, at_px.br().y}) along_m = std::min(along_m, (T_F_C * geometry.point(u, v, depth_m)).x());
+  }
+  return std::max(0.0, along_m);
+}
+
 }  // namespace
 
 /// A depth, and what is found there.
@@ -68,6 +78,7 @@ Unobserved Holes::find(const Box& box_C, const BoxView& view, const ClearRays& r
   Volume all, end;
   double too_near_m3 = 0.0;
   Unobserved found;
+  found.first_hole_m = kInfinity;
   for (double depth_m = kJustInside * end_m; depth_m >= std::max(from_m, kNearest_m); depth_m /= kStep) {
     const Section section = sectionAt(box_C, depth_m, geometry_);
     const double pixel_m = depth_m / rig.fx_px, thick_m = depth_m * (1.0 - 1.0 / kStep);
@@ -87,11 +98,14 @@ Unobserved Holes::find(const Box& box_C, const BoxView& view, const ClearRays& r
     if (depth_m > far_from_m) end += volume;
     const int edge_px = plane.edge * plane.stride_px;
     const double edge_m = edge_px * depth_m / std::min(rig.fx_px, rig.fy_px);
-    if (!plane.is_searched || edge_m <= found.hole_m) continue;
+    if (!plane.is_searched) continue;
+    const cv::Rect hole_px(plane.end_u - edge_px + plane.stride_px, plane.end_v - edge_px + plane.stride_px, edge_px,
+                           edge_px);
+    if (edge_m >= kHole * smallest_m - kTouch_m) found.first_hole_m = alongAxis(box_C, hole_px, depth_m, geometry_);
+    if (edge_m <= found.hole_m) continue;
     found.hole_m = edge_m;
     found.hole_depth_m = depth_m;
-    found.hole_px = {plane.end_u - edge_px + plane.stride_px, plane.end_v - edge_px + plane.stride_px, edge_px,
-                     edge_px};
+    found.hole_px = hole_px;
   }
   if (all.seen_m3 > 0.0) found.fraction = all.unclear_m3 / all.seen_m3;
   found.out_of_view = all.outOfView();

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kWeakShare = 0.25;          // of the smallest obstacle's area: too much for chance
 constexpr int kWeak_px = 12;                 // so are so many matches, though so near that they cover less
-constexpr double kHole = 1.6;                // of its edge: of what is as large, half a census window more is lost
 constexpr double kTooNear = 0.1;             // of the box
 constexpr double kEndOutOfView = 1.0 / 3.0;  // of the box's last quarter: the rest was seen from farther away
 
@@ -61,15 +60,16 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
   }
   if (reasons & kOccupiedCell) reasons &= ~kWeakEvidence;
   const Unobserved& unobserved = evidence.unobserved;
-  const bool is_seen = !hasHole(unobserved, config) && unobserved.fraction <= config.max_unknown_fraction &&
+  const bool is_seen = !unobserved.hasHole() && unobserved.fraction <= config.max_unknown_fraction &&
                        unobserved.too_near <= kTooNear && unobserved.end_out_of_view <= kEndOutOfView;
   if (!is_seen) reasons |= kUnobserved;
   if (evidence.is_ambiguous) reasons |= kAmbiguous;
   return reasons;
 }
 
-bool hasHole(const Unobserved& unobserved, const CorridorConfig& config) {
-  return !(unobserved.hole_m < kHole * smallestInspected(config) - kTouch_m);
+double freeDistance(const Verdict& verdict, const Unobserved& unobserved, const Box& box) {
+  if (verdict.state == State::Unknown) return 0.0;
+  return std::min({verdict.clear_distance_m, unobserved.first_hole_m, box.size_m.x()});
 }
 
 std::uint32_t reasonsOf(const TrackedRange& tracked) {

@@ -126,12 +126,14 @@ Eigen::Isometry3d toPose(const geometry_msgs::Pose& message) {
 }
 
 flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
-                                         const Eigen::Vector3d& box_size_m, double latency_s) {
+                                         const Eigen::Vector3d& box_size_m, const flight_corridor::SpeedConfig& speed,
+                                         double latency_s) {
   flight_corridor::CorridorState message;
   message.header = header;
   message.state = static_cast<std::uint8_t>(report.verdict.state);
   message.clear_distance = report.verdict.clear_distance_m;
   message.unknown_fraction = report.verdict.unknown_fraction;
+  message.safe_speed = flight_corridor::safeSpeed(report.verdict.free_distance_m, latency_s, speed);
   tf2::toMsg(box_size_m, message.box);
   message.range_fused = report.range.range_m;
   message.range_fused_sigma = report.range.sigma_m;

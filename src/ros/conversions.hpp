@@ -40,7 +40,8 @@ Eigen::Isometry3d toPose(const geometry_msgs::Pose& message);
 
 /// @param latency_s from the left image's stamp to now.
 flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
-                                         const Eigen::Vector3d& box_size_m, double latency_s);
+                                         const Eigen::Vector3d& box_size_m, const flight_corridor::SpeedConfig& speed,
+                                         double latency_s);
 
 /// The answer to a question of a box.  @param stamp of the pair that it rests on.
 flight_corridor::QueryCorridorResponse toResponse(const ros::Time& stamp, const flight_corridor::Verdict& verdict);

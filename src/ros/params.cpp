@@ -69,6 +69,7 @@ Fields bind(flight_corridor::MapConfig& c) {
 
 Fields bind(flight_corridor::CorridorConfig& c) {
   return {{"frame_id", &c.frame_id},
+          {"level", &c.level},
           {"width_m", &c.width_m},
           {"height_m", &c.height_m},
           {"length_m", &c.length_m},
@@ -79,6 +80,17 @@ Fields bind(flight_corridor::CorridorConfig& c) {
           {"smallest_obstacle_m", &c.smallest_obstacle_m},
           {"hold_s", &c.hold_s},
           {"max_age_s", &c.max_age_s}};
+}
+
+Fields bind(flight_corridor::SpeedConfig& c) {
+  return {{"delay_s", &c.delay_s},
+          {"acceleration_mps2", &c.acceleration_mps2},
+          {"jerk_mps3", &c.jerk_mps3},
+          {"margin_m", &c.margin_m}};
+}
+
+Fields bind(flight_corridor::FreeAreasConfig& c) {
+  return {{"yaw_rad", &c.yaw_rad}, {"pitch_rad", &c.pitch_rad}, {"step_rad", &c.step_rad}};
 }
 
 Fields bind(RosConfig& c) {
@@ -104,6 +116,8 @@ Fields bind(NodeConfig& config) {
   add("cloud", bind(config.core.cloud));
   add("map", bind(config.core.map));
   add("corridor", bind(config.core.corridor));
+  add("speed", bind(config.core.speed));
+  add("free_areas", bind(config.core.free_areas));
   add("ros", bind(config.ros));
   return all;
 }

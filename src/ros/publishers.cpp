@@ -34,6 +34,7 @@ Publishers::Publishers(const ros::NodeHandle& private_node, const flight_corrido
     : map_frame_(config.map.frame_id),
       T_M_G_(map_frame_.empty() ? flight_corridor::opticalFromForward() : Eigen::Isometry3d::Identity()),
       box_size_m_(sizeOf(config.corridor)),
+      speed_(config.speed),
       marker_lifetime_s_(config.corridor.max_age_s) {
   ros::NodeHandle node(private_node);
   const auto advertise = [this, &node](const std::string& topic, auto message) {
@@ -74,7 +75,7 @@ void Publishers::publishVerdict(const std_msgs::Header& header, const Report& re
   const double latency_s = ros::Time::now().toSec() - header.stamp.toSec();
   publish("corridor", [&] {
     const std::lock_guard<std::mutex> lock(corridor_mutex_);
-    return toMessage(header, report, box_size_m_, latency_s);
+    return toMessage(header, report, box_size_m_, speed_, latency_s);
   });
   publish("free", [&] {
     std_msgs::Bool free;

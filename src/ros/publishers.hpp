@@ -50,6 +50,7 @@ class Publishers {
   Eigen::Isometry3d T_M_G_;  // z up in the map's frame
   std::mutex corridor_mutex_;
   Eigen::Vector3d box_size_m_;
+  flight_corridor::SpeedConfig speed_;
   std::atomic<double> marker_lifetime_s_;
   Throttle projection_warning_;
   std::map<std::string, ros::Publisher> publishers_;

@@ -112,7 +112,7 @@ sensor_msgs::Imu imu(Bytes& bytes, const ros::Time& now) {
 void convert(const StereoMessages& pair, Processor& processor) {
   const std_msgs::Header& header = pair.header;
   const flight_corridor::Report& report = processor.report();
-  toMessage(header, report, {4.0, 1.2, 0.4}, 0.0);
+  toMessage(header, report, {4.0, 1.2, 0.4}, {}, 0.0);
   toBinaryOctomap(processor.mapHeader(), processor.map());
   toFullOctomap(processor.mapHeader(), processor.map());
   flight_corridor::Pipeline* pipeline = processor.products();

@@ -56,6 +56,7 @@ struct Verdict {
   double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
+  double free_distance_m = 0.0;   ///< ... up to which the box is free from its start on; 0: not known.
   double unknown_fraction = 1.0;  ///< Share, of what both cameras see of the box, that no clear ray crosses; of a query out of view, too [0..1].
   std::uint32_t reasons = 0;      ///< Bit set of Reason.
 };
@@ -64,8 +65,9 @@ struct Verdict {
 /// @param clear_distance_m to what blocks; +inf: nothing does.
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m);
 
-/// Whether somewhere in view the smallest obstacle could stand unseen.
-bool hasHole(const Unobserved& unobserved, const CorridorConfig& config);
+/// How far a box is free from its start on: up to its end, to what blocks it, or to where something could hide before
+/// that; 0 where the verdict is UNKNOWN [m].
+double freeDistance(const Verdict& verdict, const Unobserved& unobserved, const Box& box);
 
 /// What the two sensors say of the beam.
 std::uint32_t reasonsOf(const TrackedRange& tracked);

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "flight_corridor/corridor/verdict.hpp"
+#include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/types.hpp"
+
+namespace flight_corridor {
+
+/// Section `free_areas/`: the directions that are looked at, a grid about the corridor's axis.
+struct FreeAreasConfig {
+  double yaw_rad = 0.5236;   ///< To the left and to the right, so far.
+  double pitch_rad = 0.1745;  ///< Up and down, so far.
+  double step_rad = 0.0873;  ///< From a direction to the next.
+};
+/// Every broken rule.
+Violations check(const FreeAreasConfig& config);
+
+/// A direction of the grid, and whether the UAV's box along it is free.
+struct FreeArea {
+  double yaw_rad = 0.0;    ///< Left of the corridor's axis.
+  double pitch_rad = 0.0;  ///< Above it.
+  Verdict verdict;
+};
+
+/// All directions, row by row: the lowest pitch first, in a row the rightmost yaw first.
+struct FreeAreas {
+  int columns = 0, rows = 0;
+  std::vector<FreeArea> areas;
+  int best = -1;  ///< Index of the FREE one to be taken; -1: none is FREE.
+};
+
+/// The nearest obstacles around, in a level sheet as high as the corridor.
+struct LevelScan {
+  double first_yaw_rad = 0.0, step_rad = 0.0;  ///< Left of the heading; each range is of the middle of its step.
+  double max_range_m = 0.0;
+  std::vector<double> range_m;  ///< From the camera on; +inf: seen to be free up to max_range_m, NaN: not known.
+};
+
+/// The directions of a grid, not judged yet.
+FreeAreas directions(const FreeAreasConfig& config);
+
+/// R_F_D: turns what points ahead along the corridor's axis into a direction of the grid.
+Eigen::Matrix3d turnTo(const FreeArea& area);
+
+/// The FREE direction nearest to a wanted one; of those that are as near, to a step, the one with most that is free
+/// beside it.
+/// @param goal_F wanted direction in the corridor's frame, of any length.
+/// @return -1: none is FREE.
+int bestArea(const FreeAreas& areas, const Eigen::Vector3d& goal_F, double step_rad);
+
+}  // namespace flight_corridor
