@@ -2,9 +2,11 @@
 #include <benchmark/benchmark.h>
 
 #include <string>
+#include <vector>
 
 #include "flight_corridor/corridor/box_inspector.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/corridor/free_areas.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "flight_corridor/stereo/texture.hpp"
@@ -37,19 +39,31 @@ void BM_Corridor(benchmark::State& state) {
   estimator.estimate(pair, disparity);
   cv::Mat depth_m;
   correctedDepth(disparity.best_px, correction, geometry, depth_m);
-  Texture texture;
+  Texture left_texture, right_texture;
   ClearRays rays(geometry);
   BoxInspector inspector(geometry);
-  const Box box_C = corridorBox(config, opticalFromForward());
+  const FreeAreasConfig areas;
+  const std::vector<double> ahead{0.0};
+  const bool is_one = state.range(1) == 0;
+  const Fan fan(corridorBox(config, opticalFromForward()), is_one ? ahead : gridAngles(areas.yaw_rad, areas.step_rad),
+                is_one ? ahead : gridAngles(areas.pitch_rad, areas.step_rad));
+  const std::vector<bool> is_lidar_valid(fan.size(), false);
+  right_texture.find(pair.right);
   for (auto _ : state) {
-    rays.look(disparity, texture.find(pair.left), correction);
-    benchmark::DoNotOptimize(
-        inspector.inspect(box_C, {pair, disparity, depth_m, texture.mask(), rays, correction, estimator.nearestDepth()},
-                          config.blind_m, config.smallest_obstacle_m, false));
+    left_texture.find(pair.left);
+    rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
+    const PairEvidence evidence{pair, disparity,  depth_m,
+                                left_texture.mask(), rays, correction, estimator.nearestDepth()};
+    benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config.blind_m, config.smallest_obstacle_m,
+                                               is_lidar_valid, estimator.workers()));
   }
   state.SetLabel(kScenes[state.range(0)]);
 }
-BENCHMARK(BM_Corridor)->ArgName("scene")->DenseRange(0, 3)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_Corridor)
+    ->ArgNames({"scene", "fan"})
+    ->ArgsProduct({{0, 1, 2, 3}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
 
 /// What a map remembers of a box.
 /// @param state.range(0)  edge of a cubic box across the cells [m], at 0.05 m; 20 m is about the largest that a query

@@ -51,6 +51,13 @@ double shareNearer(const Box& box_C, double depth_m) {
   return static_cast<double>(nearer) / kSlices;
 }
 
+/// @param distance_m to what blocks; +inf: nothing does.
+void block(Reason reason, double distance_m, Verdict& verdict) {
+  if (!std::isfinite(distance_m)) return;
+  verdict.reasons |= reason;
+  verdict.clear_distance_m = std::min(verdict.clear_distance_m, distance_m);
+}
+
 /// A baseline in another unit, or too few disparities: what stereo sees begins where the corridor is all but over.
 /// @throws std::invalid_argument
 void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry, double nearest_m) {
@@ -90,6 +97,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       rays_(geometry),
       inspector_(geometry),
       query_inspector_(geometry),
+      fan_inspector_(geometry),
       recent_block_(config.corridor.hold_s) {
   requireSight(config.corridor, geometry, nearestDepth());
 }
@@ -192,21 +200,14 @@ void Pipeline::decide() {
   workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
   const BoxEvidence& shown =
-      inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, !std::isnan(validLidarDepth(box_C)), workers);
+      inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, isLidarValid(box_C), workers).front();
   box_reasons_ = reasonsOf(shown, corridor, verdict.clear_distance_m);
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) box_reasons_ |= kNoDisparity;
   verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.reasons = box_reasons_ | reasonsOf(report_);
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  const auto block = [&](Reason reason, double distance_m) {
-    verdict.reasons |= reason;
-    verdict.clear_distance_m = std::min(verdict.clear_distance_m, distance_m);
-  };
-  if (const std::optional<double> beam_end_m = beamEndInBox(box_C)) block(kShortRange, *beam_end_m);
-  if (remembers()) {
-    const double remembered_m = cellsIn(map_.tree(), box()).clear_distance_m;
-    if (std::isfinite(remembered_m)) block(kOccupiedCell, remembered_m);
-  }
+  block(kShortRange, beamEndInBox(box_C), verdict);
+  if (remembers()) block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m, verdict);
   if (stateOf(verdict.reasons) == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
@@ -238,87 +239,112 @@ Verdict Pipeline::query(const Box& box) const {
     return verdict;
   }
   const Box box_C{T_M_C_.inverse() * box.T_M_F, box.size_m};
-  const BoxEvidence& shown =
-      query_inspector_.inspect(box_C, evidence(), kNearestAsked_m, smallestInspected(config_.corridor),
-                               !std::isnan(validLidarDepth(box_C)), disparity_estimator_.workers());
+  const bool is_way = beginsAtUav(box_C);
+  const BoxEvidence& shown = query_inspector_
+                                 .inspect(box_C, evidence(), is_way ? config_.corridor.blind_m : kNearestAsked_m,
+                                          smallestInspected(config_.corridor), isLidarValid(box_C),
+                                          disparity_estimator_.workers())
+                                 .front();
   verdict.reasons |= reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
   const Unobserved& unobserved = shown.unobserved;
-  verdict.unknown_fraction = unobserved.out_of_view + (1.0 - unobserved.out_of_view) * unobserved.fraction;
-  const double too_near = shareNearer(box_C, kNearestAsked_m);
-  verdict.unknown_fraction = too_near + (1.0 - too_near) * verdict.unknown_fraction;
-  if (const std::optional<double> beam_end_m = beamEndInBox(box_C)) {
-    verdict.reasons |= kShortRange;
-    verdict.clear_distance_m = std::min(verdict.clear_distance_m, *beam_end_m);
+  verdict.unknown_fraction = unobserved.fraction;
+  if (!is_way) {
+    const double too_near = shareNearer(box_C, kNearestAsked_m);
+    const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
+    verdict.unknown_fraction = unseen + (1.0 - unseen) * unobserved.fraction;
+    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
   }
-  if (is_cleared_)
+  block(kShortRange, beamEndInBox(box_C), verdict);
+  if (is_cleared_) {
     verdict.unknown_fraction = std::max(verdict.unknown_fraction, cellsIn(map_.tree(), box).unknown_fraction);
+    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
+  }
   if (remembers()) {
     const BoxCells remembered = cellsIn(map().tree(), box);
     if (!is_cleared_) verdict.unknown_fraction = std::min(verdict.unknown_fraction, remembered.unknown_fraction);
-    if (std::isfinite(remembered.clear_distance_m)) {
-      verdict.reasons |= kOccupiedCell;
-      verdict.clear_distance_m = std::min(verdict.clear_distance_m, remembered.clear_distance_m);
-    }
-    if (!unobserved.hasHole()) verdict.reasons &= ~kUnobserved;  // memory says the rest
+    block(kOccupiedCell, remembered.clear_distance_m, verdict);
+    const bool is_known = !unobserved.hasHole() && verdict.unknown_fraction <= kMostUnknown;
+    if (is_known) verdict.reasons &= ~kUnobserved;  // memory says the rest
   }
-  if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
   verdict.state = stateOf(verdict.reasons);
   return verdict;
 }
 
-/// By the corridor's rule, for a box that begins at the UAV.
-Verdict Pipeline::judge(const Box& box_C) {
-  Verdict verdict;
-  verdict.stamp_s = report_.verdict.stamp_s;
-  const BoxEvidence& shown =
-      query_inspector_.inspect(box_C, evidence(), config_.corridor.blind_m, smallestInspected(config_.corridor),
-                               !std::isnan(validLidarDepth(box_C)), disparity_estimator_.workers());
-  verdict.reasons = (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
-  verdict.unknown_fraction = shown.unobserved.fraction;
-  verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown.unobserved, box_C);
-  return verdict;
+std::vector<bool> Pipeline::isLidarValid(const Fan& fan_C) const {
+  std::vector<bool> is_valid;
+  for (int i = 0; i < fan_C.size(); ++i) is_valid.push_back(!std::isnan(validLidarDepth(fan_C.box(i))));
+  return is_valid;
+}
+
+/// By the corridor's rule: each box begins at the UAV.
+std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
+  std::vector<Verdict> verdicts(fan_C.size());
+  if (depth_m_.empty()) {
+    for (Verdict& verdict : verdicts) verdict.reasons = kNoData;
+    return verdicts;
+  }
+  const std::vector<BoxEvidence>& shown =
+      fan_inspector_.inspect(fan_C, evidence(), config_.corridor.blind_m, smallestInspected(config_.corridor),
+                             isLidarValid(fan_C), disparity_estimator_.workers());
+  for (int i = 0; i < fan_C.size(); ++i) {
+    Verdict& verdict = verdicts[i];
+    const Box box_C = fan_C.box(i);
+    verdict.stamp_s = report_.verdict.stamp_s;
+    verdict.reasons =
+        (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown[i], config_.corridor, verdict.clear_distance_m);
+    verdict.unknown_fraction = shown[i].unobserved.fraction;
+    block(kShortRange, beamEndInBox(box_C), verdict);
+    if (remembers()) block(kOccupiedCell, cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}).clear_distance_m, verdict);
+    verdict.state = stateOf(verdict.reasons);
+    verdict.free_distance_m = freeDistance(verdict, shown[i].unobserved, box_C);
+  }
+  return verdicts;
 }
 
 const FreeAreas& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C) {
-  free_areas_ = directions(config_.free_areas);
-  for (FreeArea& area : free_areas_.areas) {
-    area.verdict = judge(corridorBox(config_.corridor, rig_.T_C_F, turnTo(area)));
-  }
+  const FreeAreasConfig& config = config_.free_areas;
+  const std::vector<double> yaws_rad = gridAngles(config.yaw_rad, config.step_rad);
+  const std::vector<double> pitches_rad = gridAngles(config.pitch_rad, config.step_rad);
+  free_areas_ = flight_corridor::freeAreas(yaws_rad, pitches_rad, judge({boxInCamera(), yaws_rad, pitches_rad}));
   const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
-  free_areas_.best = bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C),
-                              config_.free_areas.step_rad);
+  free_areas_.best =
+      bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C), config.step_rad);
   return free_areas_;
 }
 
 LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   LevelScan scan;
   scan.step_rad = config_.free_areas.step_rad;
-  const int bins = static_cast<int>(kScanned_rad / scan.step_rad);
-  scan.first_yaw_rad = -bins * scan.step_rad;
+  const std::vector<double> yaws_rad = gridAngles(kScanned_rad, scan.step_rad);
+  scan.first_yaw_rad = yaws_rad.front();
   scan.max_range_m = config_.corridor.length_m;
   const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
-  for (int bin = -bins; bin <= bins; ++bin) {
-    Box box_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, config_.corridor.height_m}};
-    box_C.T_M_F.rotate(turnTo({bin * scan.step_rad, 0.0, {}}));
-    const Verdict verdict = judge(box_C);
+  const Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, config_.corridor.height_m}};
+  for (const Verdict& verdict : judge({ahead_C, yaws_rad, {0.0}})) {
     scan.range_m.push_back(verdict.state == State::Unknown ? kNaN : verdict.clear_distance_m);
   }
   return scan;
 }
 
+/// Whether it is a way that the UAV may take from where it is: then it is judged as the corridor. What of it is out of
+/// view, beside the camera, was seen from farther away, or is where the UAV is.
+bool Pipeline::beginsAtUav(const Box& box_C) const {
+  const Eigen::Vector3d away_C = box_C.T_M_F.translation() - boxInCamera().T_M_F.translation();
+  return away_C.norm() <= 0.5 * config_.corridor.width_m;
+}
+
 /// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the
-/// paper, carried to the volume. While the sensors disagree the nearer one rules.
-std::optional<double> Pipeline::beamEndInBox(const Box& box) const {
+/// paper, carried to the volume; +inf: it does not. While the sensors disagree the nearer one rules.
+double Pipeline::beamEndInBox(const Box& box) const {
   double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
   if (report_.range.disagreement) {
     range_m = std::fmin(range_m, report_.range.disagreement->range_m);
     nearest_m = std::fmin(nearest_m, range_m);
   }
-  if (!std::isfinite(nearest_m)) return std::nullopt;
+  if (!std::isfinite(nearest_m)) return kInfinity;
   const bool ends_inside =
       contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
-  if (!ends_inside) return std::nullopt;  // a large sigma reaches behind the box
+  if (!ends_inside) return kInfinity;  // a large sigma reaches behind the box
   return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
 }
 

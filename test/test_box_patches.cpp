@@ -28,7 +28,7 @@ constexpr double kSmallest_m2 = kSmallest_m * kSmallest_m;
 class BoxPatchesTest : public testing::Test {
  protected:
   std::vector<BoxPatch> find(const Box& box = kCorridor) {
-    return patches_.find(box, depth_m_, textured_, kNearest_m, kSmallest_m);
+    return patches_.find(box, depth_m_, textured_, kNearest_m, kSmallest_m).front();
   }
   /// Of what blocks; +inf: nothing does.
   double begin() {

@@ -39,10 +39,15 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
   }
 }
 
+bool isIn(const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_lidar_valid, const Box& box,
+          double from_m = kBlind_m) {
+  Doubt doubt(kSmallGeometry);
+  doubt.find(box, from_m, evidence, correction, {{true, is_lidar_valid}}, kSmallest_m);
+  return doubt.isIn(0);
+}
+
 bool isIn(const DisparityEvidence& evidence, bool is_lidar_valid = false, const Box& box = kCorridor) {
-  BoxView view(kSmallGeometry);
-  view.look(box, kBlind_m);
-  return Doubt(kSmallGeometry).isIn(view, evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid, kSmallest_m);
+  return isIn(evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid, box);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
@@ -160,27 +165,21 @@ TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
   DisparityEvidence evidence = certainWall();
   evidence.best_px.setTo(5.6);  // uncorrected it would be in the box, which ends at 5.25 px
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  BoxView view(kSmallGeometry);
-  view.look(kCorridor, kBlind_m);
-  EXPECT_TRUE(Doubt(kSmallGeometry).isIn(view, evidence, correction, false, kSmallest_m));
+  EXPECT_TRUE(isIn(evidence, correction, false, kCorridor));
   EXPECT_FALSE(isIn(evidence));
 }
 
 TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  BoxView view(kSmallGeometry);
-  view.look(kCorridor, 0.0);
-  EXPECT_TRUE(Doubt(kSmallGeometry).isIn(view, evidence, ScaleCorrection(ScaleConfig()), false, kSmallest_m));
+  EXPECT_TRUE(isIn(evidence, ScaleCorrection(ScaleConfig()), false, kCorridor, 0.0));
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
-  BoxView view(kSmallGeometry);
-  view.look(kCorridor, kBlind_m);
   Doubt doubt(kSmallGeometry);
-  doubt.isIn(view, evidence, ScaleCorrection(ScaleConfig()), false, kSmallest_m);
+  doubt.find(kCorridor, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
 }

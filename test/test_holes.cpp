@@ -26,13 +26,11 @@ class HolesTest : public testing::Test {
  protected:
   Unobserved find(const Box& box = kCorridor, double nearest_m = kNearest_m) {
     const ScaleCorrection correction((ScaleConfig()));
-    BoxView view(kVgaGeometry);
-    view.look(box, kBlind_m);
     ClearRays rays(kVgaGeometry);
     BandWorkers workers(1);
     const cv::Mat textured = texturedAllOver(kVgaGeometry.size());
     rays.look(evidence_, textured, textured, correction, workers);
-    return Holes(kVgaGeometry).find(box, view, rays, correction, kBlind_m, nearest_m, kSmallest_m);
+    return Holes(kVgaGeometry).find(box, rays, correction, kBlind_m, nearest_m, kSmallest_m).front();
   }
 
   /// Something of which nothing is matched hides the wall from both cameras.
@@ -80,7 +78,7 @@ TEST_F(HolesTest, ASquareThatIsClearedNowhereIsFoundWhereItIs) {
   for (const int disparity_px : {16, 20, 28}) {
     for (const cv::Point& middle : {cv::Point(320, 240), cv::Point(300, 232)}) {
       evidence_ = uniformEvidence(kVgaGeometry.size(), kWall_px);
-      const cv::Rect pixels = square(middle, 1.2 * kSmallest_m, disparity_px);
+      const cv::Rect pixels = square(middle, 2.0 * kSmallest_m, disparity_px);
       hide(pixels, disparity_px);
       const Unobserved unobserved = find();
       const double pixel_m = kVgaGeometry.pixelEdge(disparity_px), depth_m = kVgaGeometry.depth(disparity_px);
@@ -111,7 +109,8 @@ TEST_F(HolesTest, ScatteredPixelsWithoutAMatchAreNone) {
   cv::RNG(3).fill(share, cv::RNG::UNIFORM, 0.0, 1.0);
   evidence_.best_px.setTo(kNaN, share < 0.1);
   const Unobserved unobserved = find();
-  EXPECT_LT(unobserved.hole_m, 0.5 * kSmallest_m);
+  EXPECT_EQ(unobserved.hole_m, 0.0);
+  EXPECT_FALSE(unobserved.hasHole());
   EXPECT_LT(unobserved.fraction, 0.05);
 }
 
@@ -147,18 +146,18 @@ TEST_F(HolesTest, NothingNearerThanIsMatchedIsOneButItIsUnobserved) {
 
 TEST_F(HolesTest, AMatchLessNeverMakesLessOfThem) {
   cv::RNG random(9);
-  double hole_m = 0.0, fraction = 0.0;
+  double along_m = kInfinity, fraction = 0.0;
   for (int i = 0; i < 40; ++i) {
     const cv::Rect pixels(random.uniform(150, 450), random.uniform(180, 280), random.uniform(5, 40),
                           random.uniform(5, 40));
     evidence_.best_px(pixels) = kNaN;
     const Unobserved unobserved = find();
-    EXPECT_GE(unobserved.hole_m, hole_m) << i;
+    EXPECT_LE(unobserved.hole_along_m, along_m) << i;
     EXPECT_GE(unobserved.fraction, fraction) << i;
-    hole_m = unobserved.hole_m;
+    along_m = unobserved.hole_along_m;
     fraction = unobserved.fraction;
   }
-  EXPECT_GT(hole_m, 2.0 * kSmallest_m);
+  EXPECT_LT(along_m, 4.0);
 }
 
 }  // namespace

@@ -67,7 +67,9 @@ StereoFrame railing(int pitch_px = kPitch_px) {
 bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_lidar_valid = false,
                const StereoGeometry& geometry = kVgaGeometry) {
   const Box corridor = corridorBox(CorridorConfig(), opticalFromForward());
-  return mayBeRailing(corridor, pair, depth_m, kNearest_m, is_lidar_valid, geometry);
+  Railings railings(geometry);
+  railings.look(corridor, pair, depth_m, kNearest_m);
+  return railings.mayBeIn(corridor, is_lidar_valid);
 }
 
 TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) {

@@ -62,7 +62,8 @@ TEST(Verdict, AFreshVerdictIsUnknown) {
 /// All seen, nothing there.
 BoxEvidence clearBox() {
   BoxEvidence evidence;
-  evidence.unobserved.hole_m = evidence.unobserved.fraction = 0.0;
+  evidence.unobserved.hole_along_m = kInfinity;
+  evidence.unobserved.fraction = 0.0;
   evidence.unobserved.out_of_view = evidence.unobserved.end_out_of_view = evidence.unobserved.too_near = 0.0;
   return evidence;
 }
@@ -110,8 +111,7 @@ TEST(Verdict, ALargerPatchNeverGivesABetterState) {
 
 TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
   const CorridorConfig config;
-  for (double Unobserved::*what : {&Unobserved::hole_m, &Unobserved::fraction, &Unobserved::too_near,
-                                  &Unobserved::end_out_of_view}) {
+  for (double Unobserved::*what : {&Unobserved::fraction, &Unobserved::too_near, &Unobserved::end_out_of_view}) {
     BoxEvidence evidence = clearBox();
     for (const double value : {1.0, kNaN, kInfinity}) {
       evidence.unobserved.*what = value;
@@ -119,7 +119,9 @@ TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
     }
   }
   BoxEvidence evidence = clearBox();
-  evidence.unobserved.hole_m = config.smallest_obstacle_m;
+  evidence.unobserved.hole_along_m = 3.0;
+  EXPECT_EQ(reasons(evidence), kUnobserved);
+  evidence.unobserved.hole_along_m = kInfinity;
   evidence.unobserved.fraction = config.max_unknown_fraction;
   evidence.unobserved.end_out_of_view = 0.3;
   evidence.unobserved.out_of_view = 1.0;  // near the camera no view is as wide as the box

@@ -69,8 +69,8 @@ class Pipeline {
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
-  /// What is known of any box now, by the corridor's rule; nothing of it is exempt for being out of view, but what a
-  /// map in a fixed frame remembers. The answer is as old as its stamp, the last frame's: judge its age.
+  /// What is known of any box now, by the corridor's rule. Of one that does not begin at the UAV nothing is exempt for
+  /// being out of view, but what a map in a fixed frame remembers. The answer is as old as its stamp, the last frame's: judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
@@ -137,10 +137,12 @@ class Pipeline {
   void updateMap() const;
   void decide();
   PairEvidence evidence() const;
-  Verdict judge(const Box& box_C);
+  std::vector<Verdict> judge(const Fan& fan_C);
   bool isTrusted() const;
   double validLidarDepth(const Box& box_C) const;
-  std::optional<double> beamEndInBox(const Box& box_C) const;
+  double beamEndInBox(const Box& box_C) const;
+  bool beginsAtUav(const Box& box_C) const;
+  std::vector<bool> isLidarValid(const Fan& fan_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }
 
   Config config_;
@@ -155,6 +157,7 @@ class Pipeline {
   ClearRays rays_;
   BoxInspector inspector_;
   mutable BoxInspector query_inspector_;
+  BoxInspector fan_inspector_;
   RecentBlock recent_block_;
 
   double newest_stamp_s_ = -kInfinity;

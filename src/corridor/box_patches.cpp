@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 
 #include "flight_corridor/disjoint_sets.hpp"
 #include "flight_corridor/stereo/match_error.hpp"
@@ -13,8 +14,10 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kSplitGain = 0.7;  // of the residual of one plane: what one half leaves, where it is another surface
-constexpr double kFlat_px = 0.2;    // RMS about a plane, two sigma of a match: more may be two surfaces
+constexpr double kSplitGain = 0.7;    // of the residual of one plane: what one half leaves, where it is another surface
+constexpr double kFlat_px = 0.2;      // RMS about a plane, two sigma of a match: more may be two surfaces
+constexpr double kPiece_m = 0.5;      // of a surface: a wider one is more than one plane
+constexpr std::ptrdiff_t kFitted = 2000;  // points of a plane are enough
 
 }  // namespace
 
@@ -26,49 +29,38 @@ struct BoxPatches::Plane {
 
 BoxPatches::BoxPatches(const StereoGeometry& geometry) : geometry_(geometry) {}
 
-const std::vector<BoxPatch>& BoxPatches::find(const Box& box_C, const cv::Mat& depth_m, const cv::Mat& textured,
-                                              double nearest_m, double smallest_m) {
-  collect(box_C, depth_m, textured, nearest_m);
+const std::vector<std::vector<BoxPatch>>& BoxPatches::find(const Fan& fan, const cv::Mat& depth_m,
+                                                           const cv::Mat& textured, double nearest_m, double smallest_m,
+                                                           double beside_m) {
+  collect(fan, depth_m, textured, nearest_m);
   label();
-  members_.resize(std::max(members_.size(), patches_.size()));
-  for (std::vector<Point>& members : members_) members.clear();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Point& point = points_[i];
-    BoxPatch& patch = patches_[patch_[i]];
-    const double pixel_m2 = point.edge_m * std::max<double>(point.edge_m, smallest_m / kEdgeWidth_px);
-    patch.around_m2 += pixel_m2;
-    if (point.is_in_middle) patch.in_middle_m2 += pixel_m2;
-    if (!point.is_in_box) continue;
-    patch.in_box_m2 += pixel_m2;
-    ++patch.in_box_px;
-    members_[patch_[i]].push_back(point);
+  sort();
+  found_.resize(fan.size());
+  for (std::vector<BoxPatch>& patches : found_) patches.clear();
+  for (std::size_t patch = 0; patch + 1 < begins_.size(); ++patch) {
+    Point *first = sorted_.data() + begins_[patch], *end = sorted_.data() + begins_[patch + 1];
+    fitPlanes(first, end, fit(first, end), smallest_m);
+    measure(fan, first, end, smallest_m, static_cast<float>(beside_m));
   }
-  for (std::size_t i = 0; i < patches_.size(); ++i) {
-    std::vector<Point>& members = members_[i];
-    if (members.empty()) continue;
-    Point *first = members.data(), *end = first + members.size();
-    patches_[i].begin_m = begin(box_C, first, end, fit(first, end), smallest_m);
-  }
-  return patches_;
+  return found_;
 }
 
 /// Matches without texture are chance: they are no hits.
-void BoxPatches::collect(const Box& box_C, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m) {
+void BoxPatches::collect(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m) {
   points_.clear();
-  const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
-  const Eigen::Vector3d beside_m(kBeside_m, 2.0 * kBeside_m, 2.0 * kBeside_m);
-  const Eigen::Vector3d around_m = box_C.size_m + beside_m, middle_m = (box_C.size_m - beside_m).cwiseMax(0.0);
-  const double far_m = farthestCorner(box_C) + kBeside_m, fx_px = geometry_.calibration().fx_px;
+  const double far_m = fan.farthestCorner() + kBeside_m, fx_px = geometry_.calibration().fx_px;
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* depth = depth_m.ptr<float>(v);
     const std::uint8_t* is_textured = textured.ptr(v);
     for (int u = 0; u < depth_m.cols; ++u) {
       if (!is_textured[u] || !(nearest_m <= depth[u] && depth[u] <= far_m)) continue;
       const double hit_m = geometry_.shiftedDepth<double>(depth[u], kMatchNoise_px);
-      const Eigen::Vector3d point_F = T_F_C * geometry_.point(u, v, hit_m);
-      if (!contains(around_m, point_F)) continue;
+      const Eigen::Vector3f hit_F = fan.T_F_C() * geometry_.point(u, v, hit_m).cast<float>();
+      bool is_near = false;
+      fan.visit(hit_F, kBeside_m, [&](int, const Eigen::Vector3f&) { is_near = true; });
+      if (!is_near) continue;
       points_.push_back({u, v, static_cast<float>(geometry_.disparity(depth[u])), static_cast<float>(depth[u] / fx_px),
-                         contains(box_C.size_m, point_F), contains(middle_m, point_F)});
+                         hit_F, 0.0f});
     }
   }
 }
@@ -97,25 +89,65 @@ void BoxPatches::label() {
     }
     place_[point.u + 1] = i;
   }
-  patches_.clear();
+}
+
+/// A patch's points side by side, still in the order of the pixels.
+void BoxPatches::sort() {
+  begins_.assign(1, 0);  // first counts, then ends, then begins
   for (int i = 0; i < static_cast<int>(points_.size()); ++i) {  // a root is the first of its patch
     const int first = patch_[i];
-    if (first == i) patches_.emplace_back();
-    patch_[i] = first == i ? static_cast<int>(patches_.size()) - 1 : patch_[first];
+    if (first == i) begins_.push_back(0);
+    patch_[i] = first == i ? static_cast<int>(begins_.size()) - 2 : patch_[first];
+    ++begins_[patch_[i]];
+  }
+  std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+  sorted_.resize(points_.size());
+  for (std::size_t i = points_.size(); i-- > 0;) sorted_[--begins_[patch_[i]]] = points_[i];
+}
+
+/// What a patch shows in each box.
+void BoxPatches::measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m) {
+  sums_.assign(fan.size(), {});
+  const Eigen::Array3f size_m = fan.box().size_m.cast<float>();
+  const Eigen::Array3f middle_m = (Eigen::Array3f(size_m.x(), 0.5f * size_m.y(), 0.5f * size_m.z()) - 0.5f * beside_m).max(0.0f);
+  for (const Point* point = first; point != end; ++point) {
+    const double pixel_m2 = point->edge_m * std::max<double>(point->edge_m, smallest_m / kEdgeWidth_px);
+    const Eigen::Vector3f fitted_F =
+        fan.T_F_C() * geometry_.point(point->u, point->v, geometry_.depth(point->fitted_px)).cast<float>();
+    fan.visit(point->hit_F, beside_m, [&](int direction, const Eigen::Vector3f& hit) {
+      BoxPatch& sum = sums_[direction];
+      sum.around_m2 += pixel_m2;
+      if (!fan.contains(hit)) return;
+      sum.in_box_m2 += pixel_m2;
+      ++sum.in_box_px;
+      sum.begin_m = std::min<double>(sum.begin_m, fan.turned(direction, fitted_F).x());
+      if (hit.x() < middle_m.x() && std::abs(hit.y()) <= middle_m.y() && std::abs(hit.z()) <= middle_m.z()) {
+        sum.in_middle_m2 += pixel_m2;
+      }
+    });
+  }
+  for (int direction = 0; direction < fan.size(); ++direction) {
+    BoxPatch& sum = sums_[direction];
+    if (!(sum.around_m2 > 0.0)) continue;
+    if (sum.in_box_px > 0) sum.begin_m = std::clamp<double>(sum.begin_m, 0.0, size_m.x());
+    found_[direction].push_back(sum);
   }
 }
 
-/// Least squares; flat where the points do not span a plane.
-BoxPatches::Plane BoxPatches::fit(const Point* first, const Point* end) const {
-  const double n = static_cast<double>(end - first), u0 = first->u, v0 = first->v;
+/// Least squares, of some of many points; flat where they do not span a plane.
+BoxPatches::Plane BoxPatches::fit(const Point* first, const Point* end) {
+  const std::ptrdiff_t step = 1 + (end - first) / kFitted;
+  const double u0 = first->u, v0 = first->v;
+  double n = 0.0, squares = 0.0;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  double squares = 0.0;
-  for (const Point* point = first; point != end; ++point) {
-    const Eigen::Vector3d at(point->u - u0, point->v - v0, 1.0);
+  for (std::ptrdiff_t i = 0; i < end - first; i += step) {
+    const Point& point = first[i];
+    const Eigen::Vector3d at(point.u - u0, point.v - v0, 1.0);
     normal += at * at.transpose();
-    right += at * point->disparity_px;
-    squares += static_cast<double>(point->disparity_px) * point->disparity_px;
+    right += at * point.disparity_px;
+    squares += static_cast<double>(point.disparity_px) * point.disparity_px;
+    n += 1.0;
   }
   normal(0, 0) += 1e-3 * n;
   normal(1, 1) += 1e-3 * n;
@@ -126,32 +158,31 @@ BoxPatches::Plane BoxPatches::fit(const Point* first, const Point* end) const {
   return plane;
 }
 
-/// Where the nearest of the planes begins: points that are no plane are parted at the middle of their longer side,
-/// where one half is flatter than the whole. Of mere noise none is.
-double BoxPatches::begin(const Box& box_C, Point* first, Point* end, const Plane& plane, double smallest_m) const {
+/// Points that are wider than a piece, or no plane, are parted at the middle of their longer side; the latter where one
+/// half is flatter than the whole. Of mere noise none is.
+void BoxPatches::fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m) {
+  const auto by_u = [](const Point& one, const Point& other) { return one.u < other.u; };
+  const auto by_v = [](const Point& one, const Point& other) { return one.v < other.v; };
+  const auto across = std::minmax_element(first, end, by_u), along = std::minmax_element(first, end, by_v);
+  const int width_px = across.second->u - across.first->u, height_px = along.second->v - along.first->v;
   const double smallest_px = smallest_m / first->edge_m;
-  if (plane.rms_px > kFlat_px && static_cast<double>(end - first) >= 2.0 * std::max(4.0, smallest_px * smallest_px)) {
-    const auto by_u = [](const Point& one, const Point& other) { return one.u < other.u; };
-    const auto by_v = [](const Point& one, const Point& other) { return one.v < other.v; };
-    const auto across = std::minmax_element(first, end, by_u), along = std::minmax_element(first, end, by_v);
+  const bool is_wide = std::max(width_px, height_px) * first->edge_m > kPiece_m;
+  const bool is_enough = static_cast<double>(end - first) >= 2.0 * std::max(4.0, smallest_px * smallest_px);
+  if (is_enough && (is_wide || plane.rms_px > kFlat_px)) {
     Point* middle = first + (end - first) / 2;
-    if (across.second->u - across.first->u > along.second->v - along.first->v) {
+    if (width_px > height_px) {
       std::nth_element(first, middle, end, by_u);
     } else {
       std::nth_element(first, middle, end, by_v);
     }
     const Plane one = fit(first, middle), other = fit(middle, end);
-    if (std::min(one.rms_px, other.rms_px) < kSplitGain * plane.rms_px) {
-      return std::min(begin(box_C, first, middle, one, smallest_m), begin(box_C, middle, end, other, smallest_m));
+    if (is_wide || std::min(one.rms_px, other.rms_px) < kSplitGain * plane.rms_px) {
+      fitPlanes(first, middle, one, smallest_m);
+      fitPlanes(middle, end, other, smallest_m);
+      return;
     }
   }
-  const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
-  double begin_m = kInfinity;
-  for (const Point* point = first; point != end; ++point) {
-    const Eigen::Vector3d point_F = T_F_C * geometry_.point(point->u, point->v, geometry_.depth(plane.at(*point)));
-    begin_m = std::min(begin_m, point_F.x());
-  }
-  return std::clamp(begin_m, 0.0, box_C.size_m.x());
+  for (Point* point = first; point != end; ++point) point->fitted_px = static_cast<float>(plane.at(*point));
 }
 
 }  // namespace flight_corridor

@@ -5,12 +5,6 @@
 
 namespace flight_corridor {
 
-namespace {
-
-int stepsTo(double limit_rad, double step_rad) { return static_cast<int>(limit_rad / step_rad + 0.01); }
-
-}  // namespace
-
 Violations check(const FreeAreasConfig& config) {
   Rules rules("free_areas");
   rules.require(0.0 <= config.yaw_rad && config.yaw_rad <= 1.2, "yaw_rad", "0 to 1.2", config.yaw_rad);
@@ -19,23 +13,27 @@ Violations check(const FreeAreasConfig& config) {
   return rules.broken();
 }
 
-FreeAreas directions(const FreeAreasConfig& config) {
-  const int columns = stepsTo(config.yaw_rad, config.step_rad), rows = stepsTo(config.pitch_rad, config.step_rad);
+std::vector<double> gridAngles(double limit_rad, double step_rad) {
+  const int steps = static_cast<int>(limit_rad / step_rad + 0.01);  // a limit of whole steps is one, as rounded
+  std::vector<double> angles_rad;
+  for (int i = -steps; i <= steps; ++i) angles_rad.push_back(i * step_rad);
+  return angles_rad;
+}
+
+FreeAreas freeAreas(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
+                    const std::vector<Verdict>& verdicts) {
   FreeAreas grid;
-  grid.columns = 2 * columns + 1;
-  grid.rows = 2 * rows + 1;
-  for (int row = -rows; row <= rows; ++row) {
-    for (int column = -columns; column <= columns; ++column) {
-      grid.areas.push_back({column * config.step_rad, row * config.step_rad, {}});
-    }
+  grid.columns = static_cast<int>(yaws_rad.size());
+  grid.rows = static_cast<int>(pitches_rad.size());
+  for (const double pitch_rad : pitches_rad) {
+    for (const double yaw_rad : yaws_rad) grid.areas.push_back({yaw_rad, pitch_rad, verdicts[grid.areas.size()]});
   }
   return grid;
 }
 
-Eigen::Matrix3d turnTo(const FreeArea& area) {
-  return (Eigen::AngleAxisd(area.yaw_rad, Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(-area.pitch_rad, Eigen::Vector3d::UnitY()))
-      .toRotationMatrix();
+Eigen::Vector3d ahead(const FreeArea& area) {
+  return {std::cos(area.yaw_rad) * std::cos(area.pitch_rad), std::sin(area.yaw_rad) * std::cos(area.pitch_rad),
+          std::sin(area.pitch_rad)};
 }
 
 int bestArea(const FreeAreas& grid, const Eigen::Vector3d& goal_F, double step_rad) {
@@ -43,7 +41,8 @@ int bestArea(const FreeAreas& grid, const Eigen::Vector3d& goal_F, double step_r
     return 0 <= row && row < grid.rows && 0 <= column && column < grid.columns &&
            grid.areas[row * grid.columns + column].verdict.state == State::Free;
   };
-  const Eigen::Vector3d goal = goal_F.normalized();
+  const bool is_goal = goal_F.allFinite() && goal_F.norm() > 0.0;
+  const Eigen::Vector3d goal = is_goal ? goal_F.normalized() : Eigen::Vector3d::UnitX();
   int best = -1, best_beside = 0;
   long best_steps = 0;
   double best_rad = kInfinity;
@@ -51,7 +50,7 @@ int bestArea(const FreeAreas& grid, const Eigen::Vector3d& goal_F, double step_r
     for (int column = 0; column < grid.columns; ++column) {
       if (!is_free(row, column)) continue;
       const int at = row * grid.columns + column;
-      const double away_rad = std::acos(std::clamp(goal.dot(turnTo(grid.areas[at]).col(0)), -1.0, 1.0));
+      const double away_rad = std::acos(std::clamp(goal.dot(ahead(grid.areas[at])), -1.0, 1.0));
       const long steps = std::lround(away_rad / step_rad);
       int beside = 0;
       for (const int up : {-1, 0, 1}) {

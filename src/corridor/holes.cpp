@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
 
-#include "flight_corridor/geometry/section.hpp"
+#include "flight_corridor/geometry/box.hpp"
 
 namespace flight_corridor {
 
@@ -40,78 +43,180 @@ double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const 
 
 }  // namespace
 
-/// A depth, and what is found there.
-struct Holes::Plane {
-  float at_px;   // corrected disparity
-  int shift_px;  // from a left pixel to the right one
-  int stride_px;
-  bool is_searched;  // not too near to be matched
-  cv::Rect view;
-  int seen = 0, unclear = 0;           // of the pixels looked at
-  int edge = 0, end_u = 0, end_v = 0;  // of the largest square, in strides; its last pixel
-};
-
-/// The edge of the largest square that ends at a pixel is one more than the least of its three neighbours'.
-void Holes::search(Plane& plane, const BoxView& view, const ClearRays& rays) {
-  const int columns = (plane.view.width + plane.stride_px - 1) / plane.stride_px;
-  above_.assign(columns + 1, 0);
-  squares_.assign(columns + 1, 0);
-  for (int v = plane.view.y; v < plane.view.br().y; v += plane.stride_px) {
-    const auto *entry = view.entry().ptr<float>(v), *exit = view.exit().ptr<float>(v);
-    for (int i = 1, u = plane.view.x; i <= columns; ++i, u += plane.stride_px) {
-      const bool is_seen = exit[u] <= plane.at_px && plane.at_px <= entry[u] && plane.shift_px <= u;
-      const bool is_unclear = is_seen && !(plane.is_searched && rays.isClear(u, v, plane.at_px, plane.shift_px));
-      plane.seen += is_seen;
-      plane.unclear += is_unclear;
-      squares_[i] = is_unclear ? 1 + std::min({above_[i - 1], above_[i], squares_[i - 1]}) : 0;
-      if (squares_[i] > plane.edge) plane.edge = squares_[i], plane.end_u = u, plane.end_v = v;
+/// Done again only where the boxes differ from the last ones.
+void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
+  if (from_m == from_m_ && smallest_m == smallest_m_ && fan == fan_) return;
+  fan_ = fan;
+  from_m_ = from_m;
+  smallest_m_ = smallest_m;
+  planes_.clear();
+  std::vector<Box> boxes;
+  for (int i = 0; i < fan.size(); ++i) boxes.push_back(fan.box(i));
+  const auto endOf = [](const Box& box) { return kJustInside * std::min(farthestCorner(box), kFarthest_m); };
+  const auto add = [&](double depth_m, double thick_m, auto&& isAsked) {
+    Plane plane;
+    plane.depth_m = depth_m;
+    plane.thick_m = thick_m;
+    const int stride = static_cast<int>(smallest_m * geometry_.calibration().fx_px / depth_m) / kPerObstacle;
+    plane.stride_px = std::max(1, stride);
+    for (const Box& box : boxes) {
+      plane.sections.push_back(isAsked(box) ? sectionAt(box, depth_m, geometry_) : Section());
+      plane.view |= plane.sections.back().view;
     }
-    std::swap(above_, squares_);
+    plane.view.width += plane.view.x % plane.stride_px;  // for all boxes the same pixels are looked at
+    plane.view.x -= plane.view.x % plane.stride_px;
+    plane.view.height += plane.view.y % plane.stride_px;
+    plane.view.y -= plane.view.y % plane.stride_px;
+    planes_.push_back(plane);
+  };
+  double end_m = -kInfinity;
+  for (const Box& box : boxes) end_m = std::max(end_m, endOf(box));
+  for (double lower_m = kNearest_m; lower_m < end_m; lower_m *= kStep) {  // the same depths for all boxes, but ends
+    const double upper_m = lower_m * kStep;
+    std::set<double> ends_m;
+    for (const Box& box : boxes) {
+      if (lower_m < endOf(box) && endOf(box) <= upper_m) ends_m.insert(endOf(box));
+    }
+    for (const double depth_m : ends_m) {
+      if (depth_m >= from_m) add(depth_m, depth_m - lower_m, [&](const Box& box) { return endOf(box) == depth_m; });
+    }
+    if (upper_m >= from_m) add(upper_m, upper_m - lower_m, [&](const Box& box) { return endOf(box) > upper_m; });
   }
 }
 
-Unobserved Holes::find(const Box& box_C, const BoxView& view, const ClearRays& rays, const ScaleCorrection& correction,
-                       double from_m, double nearest_m, double smallest_m) {
+/// Where the last pair puts a plane.
+Holes::Place Holes::place(const Plane& plane, const ScaleCorrection& correction, double nearest_m) const {
   const StereoCalibration& rig = geometry_.calibration();
+  Place place;
+  place.at_px = static_cast<float>(geometry_.disparity(plane.depth_m));
+  const double measured_px = place.at_px * correction.scale(place.at_px);
+  place.shift_px = static_cast<int>(std::lround(measured_px + geometry_.principalPointDifference()));
+  place.is_searched = plane.depth_m >= nearest_m;
+  const double stride_m = plane.stride_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);
+  place.edge = std::max(1, static_cast<int>(std::ceil((kHole * smallest_m_ - kTouch_m) / stride_m)));
+  return place;
+}
+
+/// Pixels that both cameras see and neither's ray is clear; and where squares of them end that hide the smallest
+/// obstacle.
+void Holes::findUnclear(const Plane& plane, const Place& place, const ClearRays& rays) {
+  const int stride = plane.stride_px;
+  unclear_.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
+  for (int row = 0; row < unclear_.rows; ++row) {
+    auto* unclear = unclear_.ptr(row);
+    for (int column = 0; column < unclear_.cols; ++column) {
+      unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, rays);
+    }
+  }
+  cv::erode(unclear_, hides_, cv::Mat::ones(place.edge, place.edge, CV_8UC1), {place.edge - 1, place.edge - 1}, 1,
+            cv::BORDER_CONSTANT, 0);
+  cv::integral(unclear_, unclear_sum_, CV_32S);
+  cv::integral(hides_, hides_sum_, CV_32S);
+}
+
+Holes::Look Holes::look(const Plane& plane, const Section& section, const Place& place) const {
+  const int stride = plane.stride_px;
+  const auto strides = [stride](int pixels) { return (pixels + stride - 1) / stride; };
+  const int first_u = strides(section.view.x - plane.view.x), end_u = strides(section.view.br().x - plane.view.x);
+  const int first_v = strides(section.view.y - plane.view.y), end_v = strides(section.view.br().y - plane.view.y);
+  if (section.view.empty() || first_u >= end_u || first_v >= end_v) return {};
+  const auto sum = [&](const cv::Mat& sums, int from_u, int from_v) {
+    if (from_u >= end_u || from_v >= end_v) return 0;
+    return sums.at<int>(end_v, end_u) - sums.at<int>(from_v, end_u) - sums.at<int>(end_v, from_u) +
+           sums.at<int>(from_v, from_u);
+  };
+  const int seen_from_u = std::clamp(strides(place.shift_px - plane.view.x), first_u, end_u);
+  return {(end_u - seen_from_u) * (end_v - first_v), sum(unclear_sum_, first_u, first_v),
+          sum(hides_sum_, first_u + place.edge - 1, first_v + place.edge - 1) > 0};
+}
+
+/// The edge of the largest square that ends at a pixel is one more than the least of its three neighbours'.
+Holes::Square Holes::search(const Plane& plane, const Place& place, int direction, const ClearRays& rays) {
+  const cv::Rect& view = plane.sections[direction].view;
+  const auto first = [&](int pixel, int from) {
+    return from + (pixel - from + plane.stride_px - 1) / plane.stride_px * plane.stride_px;
+  };
+  const int first_u = first(view.x, plane.view.x);
+  const int columns = (view.br().x - first_u + plane.stride_px - 1) / plane.stride_px;
+  above_.assign(columns + 1, 0);
+  squares_.assign(columns + 1, 0);
+  Square largest;
+  for (int v = first(view.y, plane.view.y); v < view.br().y; v += plane.stride_px) {
+    for (int i = 1, u = first_u; i <= columns; ++i, u += plane.stride_px) {
+      const bool is_unclear =
+          isUnclear(u, v, place, rays) &&
+          fan_.contains(fan_.turned(direction, fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>()));
+      squares_[i] = is_unclear ? 1 + std::min({above_[i - 1], above_[i], squares_[i - 1]}) : 0;
+      if (squares_[i] > largest.edge) largest = {squares_[i], u, v};
+    }
+    std::swap(above_, squares_);
+  }
+  return largest;
+}
+
+const std::vector<Unobserved>& Holes::find(const Fan& fan, const ClearRays& rays, const ScaleCorrection& correction,
+                                           double from_m, double nearest_m, double smallest_m) {
+  layOut(fan, from_m, smallest_m);
+  places_.clear();
+  looks_.clear();
+  for (const Plane& plane : planes_) {
+    places_.push_back(place(plane, correction, nearest_m));
+    if (!plane.view.empty()) findUnclear(plane, places_.back(), rays);
+    for (const Section& section : plane.sections) looks_.push_back(look(plane, section, places_.back()));
+  }
+  found_.clear();
+  for (int direction = 0; direction < fan.size(); ++direction) {
+    found_.push_back(measure(direction));
+    findHole(direction, rays, found_.back());
+  }
+  return found_;
+}
+
+/// Shares of a box's volume.
+Unobserved Holes::measure(int direction) const {
+  const StereoCalibration& rig = geometry_.calibration();
+  const Box box_C = fan_.box(direction);
   const double end_m = std::min(farthestCorner(box_C), kFarthest_m), begin_m = std::max(0.0, nearestCorner(box_C));
   const double far_from_m = end_m - kFarShare * (end_m - begin_m);
   Volume all, end;
   double too_near_m3 = 0.0;
-  Unobserved found;
-  found.first_hole_m = kInfinity;
-  for (double depth_m = kJustInside * end_m; depth_m >= std::max(from_m, kNearest_m); depth_m /= kStep) {
-    const Section section = sectionAt(box_C, depth_m, geometry_);
-    const double pixel_m = depth_m / rig.fx_px, thick_m = depth_m * (1.0 - 1.0 / kStep);
-    Plane plane{};
-    plane.view = section.view;
-    plane.at_px = static_cast<float>(geometry_.disparity(depth_m));
-    const double measured_px = plane.at_px * correction.scale(plane.at_px);
-    plane.shift_px = static_cast<int>(std::lround(measured_px + geometry_.principalPointDifference()));
-    plane.stride_px = std::max(1, static_cast<int>(smallest_m / pixel_m) / kPerObstacle);
-    plane.is_searched = depth_m >= nearest_m;
-    search(plane, view, rays);
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    const Plane& plane = planes_[i];
+    const Section& section = plane.sections[direction];
+    const Look& look = looks_[i * fan_.size() + direction];
+    const double pixel_m = plane.depth_m / rig.fx_px, thick_m = plane.thick_m;
     double looked_at_m3 = std::pow(plane.stride_px * pixel_m, 2) * rig.fx_px / rig.fy_px * thick_m;
-    if (plane.seen > 0) looked_at_m3 = std::min(looked_at_m3, section.area_m2 * thick_m / plane.seen);
-    const Volume volume{section.area_m2 * thick_m, plane.seen * looked_at_m3, plane.unclear * looked_at_m3};
+    if (look.seen > 0) looked_at_m3 = std::min(looked_at_m3, section.area_m2 * thick_m / look.seen);
+    const Volume volume{section.area_m2 * thick_m, look.seen * looked_at_m3, look.unclear * looked_at_m3};
     all += volume;
-    if (!plane.is_searched) too_near_m3 += volume.all_m3;
-    if (depth_m > far_from_m) end += volume;
-    const int edge_px = plane.edge * plane.stride_px;
-    const double edge_m = edge_px * depth_m / std::min(rig.fx_px, rig.fy_px);
-    if (!plane.is_searched) continue;
-    const cv::Rect hole_px(plane.end_u - edge_px + plane.stride_px, plane.end_v - edge_px + plane.stride_px, edge_px,
-                           edge_px);
-    if (edge_m >= kHole * smallest_m - kTouch_m) found.first_hole_m = alongAxis(box_C, hole_px, depth_m, geometry_);
-    if (edge_m <= found.hole_m) continue;
-    found.hole_m = edge_m;
-    found.hole_depth_m = depth_m;
-    found.hole_px = hole_px;
+    if (!places_[i].is_searched) too_near_m3 += volume.all_m3;
+    if (plane.depth_m > far_from_m) end += volume;
   }
-  if (all.seen_m3 > 0.0) found.fraction = all.unclear_m3 / all.seen_m3;
-  found.out_of_view = all.outOfView();
-  if (all.all_m3 > 0.0) found.too_near = too_near_m3 / all.all_m3;
-  found.end_out_of_view = end.outOfView();
-  return found;
+  Unobserved measured;
+  if (all.seen_m3 > 0.0) measured.fraction = all.unclear_m3 / all.seen_m3;
+  measured.out_of_view = all.outOfView();
+  if (all.all_m3 > 0.0) measured.too_near = too_near_m3 / all.all_m3;
+  measured.end_out_of_view = end.outOfView();
+  return measured;
+}
+
+/// The nearest that hides the smallest obstacle; what is too near to be matched is none.
+void Holes::findHole(int direction, const ClearRays& rays, Unobserved& found) {
+  const StereoCalibration& rig = geometry_.calibration();
+  found.hole_along_m = kInfinity;
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    const Plane& plane = planes_[i];
+    if (!places_[i].is_searched || !looks_[i * fan_.size() + direction].may_hide) continue;
+    const Square square = search(plane, places_[i], direction, rays);
+    if (square.edge < places_[i].edge) continue;
+    const int edge_px = square.edge * plane.stride_px;
+    found.hole_m = edge_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);
+    found.hole_depth_m = plane.depth_m;
+    found.hole_px = {square.end_u - edge_px + plane.stride_px, square.end_v - edge_px + plane.stride_px, edge_px,
+                     edge_px};
+    found.hole_along_m = alongAxis(fan_.box(direction), found.hole_px, plane.depth_m, geometry_);
+    return;
+  }
 }
 
 }  // namespace flight_corridor

@@ -23,6 +23,7 @@ constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or b
 
 constexpr int kBarStride_px = 2;
 constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows, for columns meet the bars' pitch
+constexpr int kShared = 3;                 // ... but of several boxes in each this part of them
 constexpr float kBarTexture = 3.0f;        // grey levels: mean gradient along the row in a window's middle
 constexpr int kMiddle_px = 3;              // ... which is so wide and high
 constexpr double kLargestScale = 1.2;      // upper bound of true over measured depth
@@ -36,67 +37,6 @@ constexpr double kWideInARow = 0.4;        // of their windows, at least; of a f
 constexpr double kOfAPitch = 0.6;          // of the most windows: as many agree on the pitch, most on a multiple
 constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
 constexpr double kFartherShare = 0.1;      // of it, at least
-
-/// What small windows of the left image, matched behind a box, fit on in the box.
-class SecondMatches {
- public:
-  SecondMatches(const Box& box_C, const StereoFrame& pair, cv::Range rows, double nearest_m,
-                const StereoGeometry& geometry)
-      : geometry_(geometry),
-        matcher_(pair.left, pair.right, rows),
-        nearest_px_(wholePixels(geometry.disparity(nearest_m))),
-        end_px_(wholePixels(kSmallestScale * geometry.disparity(farthestCorner(box_C)))) {}
-
-  /// Looks at a window on a surface. A match counts that is as good as the best at or behind the surface, with a worse
-  /// one between the two, and between any two.
-  /// @param farthest_px of what is behind it.
-  /// @return whether it fits at or behind the surface.
-  bool look(int u, int v, double surface_px, double farthest_px) {
-    offsets_px_.clear();
-    const int largest_px = matcher_.correlations(u, v, wholePixels(farthest_px), nearest_px_, correlations_);
-    const int surface_at_px = wholePixels(surface_px / kSmallestScale) + 1;
-    int own_px = 0;
-    float own = -1.0f, least = 1.0f;
-    for (int k = static_cast<int>(correlations_.size()) - 2; k > 0; --k) {
-      const int at_px = largest_px - k;
-      const float at = correlations_[k], before = correlations_[k - 1], after = correlations_[k + 1];
-      const bool is_peak = at >= before && at >= after;
-      const float fit = is_peak ? peak(before, at, after) : at;
-      if (at_px <= surface_at_px) {
-        if (fit > own) own = fit, own_px = at_px;
-        continue;
-      }
-      if (own < kOwnFit) return false;
-      least = std::min(least, at);
-      if (is_peak && at_px >= end_px_ && least < kBetween * own && fit >= own - kAsGood) {
-        offsets_px_.push_back(at_px - own_px);
-        least = 1.0f;
-      }
-    }
-    return own >= kOwnFit;
-  }
-
-  /// By how much larger the disparities of the last window's matches in the box are than that of its own.
-  const std::vector<int>& offsets() const { return offsets_px_; }
-
- private:
-  int wholePixels(double disparity_px) const {
-    const double width_px = geometry_.size().width;
-    return static_cast<int>(std::lround(std::min(disparity_px, width_px) + geometry_.principalPointDifference()));
-  }
-
-  /// Of a peak between samples, by a parabola through three of them.
-  static float peak(float before, float at, float after) {
-    const float curvature = 2.0f * at - before - after;
-    return at + (curvature > 0.0f ? (after - before) * (after - before) / (8.0f * curvature) : 0.0f);
-  }
-
-  const StereoGeometry& geometry_;
-  WindowMatcher matcher_;
-  int nearest_px_, end_px_;
-  std::vector<float> correlations_;
-  std::vector<int> offsets_px_;
-};
 
 /// A window that has a match in the box.
 struct Bar {
@@ -217,26 +157,95 @@ bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_
   return farther >= kFartherShare * known;
 }
 
+/// A peak between samples, by a parabola through three of them.
+float peakOf(float before, float at, float after) {
+  const float curvature = 2.0f * at - before - after;
+  return at + (curvature > 0.0f ? (after - before) * (after - before) / (8.0f * curvature) : 0.0f);
+}
+
 }  // namespace
 
-bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
-                  bool is_lidar_valid, const StereoGeometry& geometry) {
-  const cv::Rect view = viewOfFarPart(box_C, geometry);
+struct Railings::Window {
+  bool is_looked_at = false, fits = false;
+  int own_px = 0;                // where it fits best, at or behind its surface
+  std::vector<int> offsets_px;  // by which nearer it fits nearly as well
+};
+
+Railings::Railings(const StereoGeometry& geometry) : geometry_(geometry) {}
+Railings::~Railings() = default;
+
+void Railings::look(const Fan& fan, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m) {
+  pair_ = pair;
+  depth_m_ = depth_m;
+  cv::Rect view;
+  int area_px = 0;
+  for (int i = 0; i < fan.size(); ++i) {
+    const cv::Rect part = viewOfFarPart(fan.box(i), geometry_);
+    view |= part;
+    area_px = std::max(area_px, part.area());
+  }
+  constexpr int kReach_px = WindowMatcher::kReach_px;
+  view &= cv::Rect(kReach_px, kReach_px, pair.left.cols - 2 * kReach_px, pair.left.rows - 2 * kReach_px);
+  view_ = view;
+  const double windows = kBarWindows / std::min(fan.size(), kShared);
+  rows_px_ = std::max(kBarStride_px, static_cast<int>(std::ceil(area_px / (kBarStride_px * windows))));
+  nearest_px_ = wholePixels(geometry_.disparity(nearest_m));
+  windows_.assign(static_cast<std::size_t>(view.width / kBarStride_px + 1) * (view.height / rows_px_ + 1), {});
+  if (!view.empty()) matcher_.emplace(pair.left, pair.right, cv::Range(view.y, view.br().y));
+}
+
+int Railings::wholePixels(double disparity_px) const {
+  const double width_px = geometry_.size().width;
+  return static_cast<int>(std::lround(std::min(disparity_px, width_px) + geometry_.principalPointDifference()));
+}
+
+/// A match counts that is as good as the best at or behind the surface, with a worse one between the two, and between
+/// any two.
+const Railings::Window& Railings::window(int u, int v) {
+  Window& window = windows_[(v - view_.y) / rows_px_ * (view_.width / kBarStride_px + 1) + (u - view_.x) / kBarStride_px];
+  if (std::exchange(window.is_looked_at, true) || textureAt(pair_.left, u, v) < kBarTexture) return window;
+  const double surface_px = geometry_.disparity(depth_m_.at<float>(v, u));
+  const int farthest_px = wholePixels(surface_px / kLargestScale - kBeside_px);
+  const int largest_px = matcher_->correlations(u, v, farthest_px, nearest_px_, correlations_);
+  const int surface_at_px = wholePixels(surface_px / kSmallestScale) + 1;
+  float own = -1.0f, least = 1.0f;
+  for (int k = static_cast<int>(correlations_.size()) - 2; k > 0; --k) {
+    const int at_px = largest_px - k;
+    const float at = correlations_[k], before = correlations_[k - 1], after = correlations_[k + 1];
+    const bool is_peak = at >= before && at >= after;
+    const float fit = is_peak ? peakOf(before, at, after) : at;
+    if (at_px <= surface_at_px) {
+      if (fit > own) own = fit, window.own_px = at_px;
+      continue;
+    }
+    if (own < kOwnFit) break;
+    least = std::min(least, at);
+    if (is_peak && least < kBetween * own && fit >= own - kAsGood) {
+      window.offsets_px.push_back(at_px - window.own_px);
+      least = 1.0f;
+    }
+  }
+  window.fits = own >= kOwnFit;
+  return window;
+}
+
+bool Railings::mayBeIn(const Box& box_C, bool is_lidar_valid) {
+  const cv::Rect view = viewOfFarPart(box_C, geometry_) & view_;
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
-  SecondMatches matches(box_C, pair, {view.y, view.br().y}, nearest_m, geometry);
-  const int rows_px = std::max(kBarStride_px, static_cast<int>(std::ceil(view.area() / (kBarStride_px * kBarWindows))));
-  constexpr int kReach_px = WindowMatcher::kReach_px;
-  const cv::Rect whole(kReach_px, kReach_px, pair.left.cols - 2 * kReach_px, pair.left.rows - 2 * kReach_px);
+  const int end_px = wholePixels(kSmallestScale * geometry_.disparity(end_m));
+  const auto from = [](int first, int begin, int step) { return begin + (first - begin + step - 1) / step * step; };
   Bars bars;
   int fitting = 0;
-  for (int v = view.y; v < view.br().y; v += rows_px) {
-    for (int u = view.x; u < view.br().x; u += kBarStride_px) {
-      const float own_m = depth_m.at<float>(v, u);
-      if (!whole.contains({u, v}) || !(own_m > end_m) || textureAt(pair.left, u, v) < kBarTexture) continue;
-      const double own_px = geometry.disparity(own_m);
-      fitting += matches.look(u, v, own_px, own_px / kLargestScale - kBeside_px);
-      for (const int offset_px : matches.offsets()) bars.push_back({{u, v}, own_px, offset_px});
+  for (int v = from(view.y, view_.y, rows_px_); v < view.br().y; v += rows_px_) {
+    for (int u = from(view.x, view_.x, kBarStride_px); u < view.br().x; u += kBarStride_px) {
+      const float own_m = depth_m_.at<float>(v, u);
+      if (!(own_m > end_m)) continue;
+      const Window& window = this->window(u, v);
+      fitting += window.fits;
+      for (const int offset_px : window.offsets_px) {
+        if (window.own_px + offset_px >= end_px) bars.push_back({{u, v}, geometry_.disparity(own_m), offset_px});
+      }
     }
   }
   const Railing railing = largestRailing(bars);
@@ -244,9 +253,9 @@ bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& dept
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
   if (is_lidar_valid && windows >= kPatternOnlyShare * fitting) return false;
   if (!(shareInARow(railing, bars, view, 1.0) >= kInARow)) return false;
-  const double least_px = geometry.disparity(end_m) - railing.surface_px;
-  return isTooWideForAFence(byItsPitch(railing, bars), bars, least_px, view, geometry) ||
-         !showsFarther(view, railing.surface_px, depth_m, geometry);
+  const double least_px = geometry_.disparity(end_m) - railing.surface_px;
+  return isTooWideForAFence(byItsPitch(railing, bars), bars, least_px, view, geometry_) ||
+         !showsFarther(view, railing.surface_px, depth_m_, geometry_);
 }
 
 }  // namespace flight_corridor

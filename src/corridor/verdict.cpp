@@ -69,7 +69,7 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
 
 double freeDistance(const Verdict& verdict, const Unobserved& unobserved, const Box& box) {
   if (verdict.state == State::Unknown) return 0.0;
-  return std::min({verdict.clear_distance_m, unobserved.first_hole_m, box.size_m.x()});
+  return std::min({verdict.clear_distance_m, unobserved.hole_along_m, box.size_m.x()});
 }
 
 std::uint32_t reasonsOf(const TrackedRange& tracked) {

@@ -64,6 +64,14 @@ bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cub
   return true;
 }
 
+/// Slabs (Kay and Kajiya 1986): a ray is in the box where it is between all three pairs of sides.
+Crossing crossing(const Eigen::Isometry3d& T_F_M, const Eigen::Vector3d& size_m, const Eigen::Vector3d& direction_M) {
+  const Eigen::Array3d low(0.0, -0.5 * size_m.y(), -0.5 * size_m.z()), high(size_m.x(), -low.y(), -low.z());
+  const Eigen::Array3d start = T_F_M.translation(), along = T_F_M.linear() * direction_M;
+  const Eigen::Array3d one = (low - start) / along, other = (high - start) / along;  // NaN along a side
+  return {one.min(other).maxCoeff(), one.max(other).minCoeff()};
+}
+
 double farthestCorner(const Box& box) {
   return centre(box).z() + 0.5 * box.T_M_F.linear().row(2).cwiseAbs().dot(box.size_m);
 }

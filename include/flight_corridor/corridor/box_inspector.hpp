@@ -8,7 +8,8 @@
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/doubt.hpp"
 #include "flight_corridor/corridor/holes.hpp"
-#include "flight_corridor/geometry/box_view.hpp"
+#include "flight_corridor/corridor/railing.hpp"
+#include "flight_corridor/geometry/fan.hpp"
 
 namespace flight_corridor {
 
@@ -30,30 +31,31 @@ struct BoxEvidence {
   bool is_ambiguous = false;  ///< Matches behind it fit in it as well.
 };
 
-/// Looks at a box with a pair's eyes: presence, absence and doubt, each by patches as large as the smallest obstacle.
+/// Looks at boxes with a pair's eyes: presence, absence and doubt, each by patches as large as the smallest obstacle.
 /// One object, one thread.
 class BoxInspector {
  public:
   explicit BoxInspector(const StereoGeometry& geometry);
 
-  /// @param from_m depth from which on the box must be seen.
-  /// @param is_lidar_valid the LiDAR measured what its beam meets in the view of the box's end.
-  /// @return valid until the next call.
-  const BoxEvidence& inspect(const Box& box_C, const PairEvidence& pair, double from_m, double smallest_m,
-                             bool is_lidar_valid, BandWorkers& workers);
+  /// @param from_m depth from which on the boxes must be seen.
+  /// @param is_lidar_valid a direction: the LiDAR measured what its beam meets in the view of the box's end.
+  /// @return a direction; valid until the next call. Where there are several, doubt is looked for only where nothing
+  /// else is against the box, and no patches beside it.
+  const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, double from_m, double smallest_m,
+                                          const std::vector<bool>& is_lidar_valid, BandWorkers& workers);
 
-  /// Of the last box.
-  const Unobserved& unobserved() const { return evidence_.unobserved; }
-  /// CV_8UC1, 255: pixels that are matched behind the last box, but fit in it as well.
+  /// Of the last, or the first direction's, box.
+  const Unobserved& unobserved() const { return evidence_.front().unobserved; }
+  /// CV_8UC1, 255: pixels that are matched behind it, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
 
  private:
-  StereoGeometry geometry_;
-  BoxView view_;
   BoxPatches patches_;
   Holes holes_;
   Doubt doubt_;
-  BoxEvidence evidence_;
+  Railings railings_;
+  std::vector<Doubt::Question> questions_;
+  std::vector<BoxEvidence> evidence_;
 };
 
 }  // namespace flight_corridor

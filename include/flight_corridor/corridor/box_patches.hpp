@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor {
@@ -20,7 +20,7 @@ struct BoxPatch {
   bool blocks(double smallest_m2) const { return in_box_m2 > 0.0 && in_box_m2 >= 0.5 * smallest_m2; }
 };
 
-/// What the newest pair's matches show in a box: connected pieces of one surface, and where they begin, more exactly
+/// What the newest pair's matches show in boxes: connected pieces of one surface, and where they begin, more exactly
 /// than single matches are: planes are fitted to them. One object, one thread.
 class BoxPatches {
  public:
@@ -31,32 +31,36 @@ class BoxPatches {
   /// @param depth_m CV_32FC1 of geometry.size(), corrected, NaN = no match.  @param textured see Texture.
   /// @param nearest_m nothing nearer counts.
   /// @param smallest_m edge of the smallest obstacle: planes are fitted to no smaller pieces.
-  /// @return all patches within kBeside_m of the box, valid until the next call.
-  const std::vector<BoxPatch>& find(const Box& box_C, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m,
-                                    double smallest_m);
+  /// @param beside_m up to so far beside a box patches are measured: kBeside_m, or 0 for what is in it alone.
+  /// @return the patches of each direction's box, valid until the next call.
+  const std::vector<std::vector<BoxPatch>>& find(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& textured,
+                                                 double nearest_m, double smallest_m, double beside_m = kBeside_m);
 
  private:
-  /// A match near the box.
+  /// A match in or near a box.
   struct Point {
     int u, v;
     float disparity_px;
-    float edge_m;  // of its pixel
-    bool is_in_box, is_in_middle;
+    float edge_m;            // of its pixel
+    Eigen::Vector3f hit_F;   // as near as noise may have it
+    float fitted_px;         // disparity on the plane
   };
   /// A plane in the image: disparity = a u + b v + c.
   struct Plane;
 
-  void collect(const Box& box_C, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m);
+  void collect(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m);
   void label();
-  double begin(const Box& box_C, Point* first, Point* end, const Plane& plane, double smallest_m) const;
-  Plane fit(const Point* first, const Point* end) const;
+  void sort();
+  void measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m);
+  static void fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m);
+  static Plane fit(const Point* first, const Point* end);
 
   StereoGeometry geometry_;
-  std::vector<Point> points_;             // in the order of the pixels
+  std::vector<Point> points_, sorted_;    // in the order of the pixels; patch by patch
   std::vector<int> place_, place_above_;  // of a row's pixels in points_; -1: none
-  std::vector<int> patch_;                // a point: another of the same patch, itself at the root; then the patch
-  std::vector<BoxPatch> patches_;
-  std::vector<std::vector<Point>> members_;  // in the box, a patch
+  std::vector<int> patch_, begins_;       // a point: another of the same patch, itself at the root; then the patch
+  std::vector<BoxPatch> sums_;            // of one patch, a direction
+  std::vector<std::vector<BoxPatch>> found_;
 };
 
 }  // namespace flight_corridor

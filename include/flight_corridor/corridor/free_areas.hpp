@@ -39,15 +39,19 @@ struct LevelScan {
   std::vector<double> range_m;  ///< From the camera on; +inf: seen to be free up to max_range_m, NaN: not known.
 };
 
-/// The directions of a grid, not judged yet.
-FreeAreas directions(const FreeAreasConfig& config);
+/// The angles of a grid's columns, or rows: from -limit to limit, 0 among them.
+std::vector<double> gridAngles(double limit_rad, double step_rad);
 
-/// R_F_D: turns what points ahead along the corridor's axis into a direction of the grid.
-Eigen::Matrix3d turnTo(const FreeArea& area);
+/// @param verdicts of a fan's directions.
+FreeAreas freeAreas(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
+                    const std::vector<Verdict>& verdicts);
+
+/// Unit vector of a direction in the corridor's frame.
+Eigen::Vector3d ahead(const FreeArea& area);
 
 /// The FREE direction nearest to a wanted one; of those that are as near, to a step, the one with most that is free
 /// beside it.
-/// @param goal_F wanted direction in the corridor's frame, of any length.
+/// @param goal_F wanted direction in the corridor's frame, of any length; one that is none: straight ahead.
 /// @return -1: none is FREE.
 int bestArea(const FreeAreas& areas, const Eigen::Vector3d& goal_F, double step_rad);
 

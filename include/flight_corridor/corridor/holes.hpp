@@ -1,11 +1,11 @@
 #pragma once
 
-#include <opencv2/core/types.hpp>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "flight_corridor/corridor/clear_rays.hpp"
-#include "flight_corridor/geometry/box.hpp"
-#include "flight_corridor/geometry/box_view.hpp"
+#include "flight_corridor/geometry/fan.hpp"
+#include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
 
@@ -13,17 +13,17 @@ namespace flight_corridor {
 
 /// What the newest pair does not show clear of a box.
 struct Unobserved {
-  double hole_m = 0.0;           ///< Edge of the largest square across the view in which no ray is clear.
-  cv::Rect hole_px;              ///< Where that is on the left image.
-  double hole_depth_m = kNaN;    ///< ... and how far away.
-  double first_hole_m = 0.0;  ///< Along the box's axis to the nearest one that could hide the smallest obstacle; +inf: none.
+  double hole_m = 0.0;         ///< Edge of the nearest square in which no ray is clear; 0: none hides an obstacle.
+  cv::Rect hole_px;            ///< Where that is on the left image.
+  double hole_depth_m = kNaN;  ///< ... and how far away.
+  double hole_along_m = 0.0;   ///< ... along the box's axis; +inf: there is none.
   double fraction = 1.0;         ///< Share of the box's volume without a clear ray, of what both cameras see [0..1].
   double out_of_view = 1.0;      ///< Share of the box's volume that they do not see [0..1].
   double too_near = 1.0;         ///< ... since stereo is blind there.
   double end_out_of_view = 1.0;  ///< ... of its last quarter.
 
   /// Whether somewhere in view the smallest obstacle could stand unseen.
-  bool hasHole() const { return first_hole_m != kInfinity; }
+  bool hasHole() const { return hole_along_m != kInfinity; }
 };
 
 /// Of the smallest obstacle's edge: of what is as large, half a census window more is lost. A smaller hole hides none.
@@ -35,18 +35,59 @@ class Holes {
  public:
   explicit Holes(const StereoGeometry& geometry) : geometry_(geometry) {}
 
-  /// @param from_m depth from which on the box must be seen.  @param nearest_m nothing nearer is matched: all of that
+  /// @param from_m depth from which on the boxes must be seen.  @param nearest_m nothing nearer is matched: all of that
   /// is unclear, but no hole.  @param smallest_m edge of the smallest obstacle: holes are measured by a sixth of it,
   /// or to a pixel.
-  Unobserved find(const Box& box_C, const BoxView& view, const ClearRays& rays, const ScaleCorrection& correction,
-                  double from_m, double nearest_m, double smallest_m);
+  /// @return what is not clear of each direction's box, valid until the next call.
+  const std::vector<Unobserved>& find(const Fan& fan, const ClearRays& rays, const ScaleCorrection& correction,
+                                      double from_m, double nearest_m, double smallest_m);
 
  private:
-  struct Plane;
-  void search(Plane& plane, const BoxView& view, const ClearRays& rays);
+  /// A depth, and where the boxes cross it.
+  struct Plane {
+    double depth_m = 0.0, thick_m = 0.0;  // of the slice at whose end it is
+    int stride_px = 1;
+    cv::Rect view;                  // around all sections
+    std::vector<Section> sections;  // a direction
+  };
+  /// Where the last pair puts a plane.
+  struct Place {
+    float at_px = 0.0f;        // corrected disparity
+    int shift_px = 0;          // from a left pixel to the right one
+    bool is_searched = false;  // not too near to be matched
+    int edge = 1;              // of a square that hides the smallest obstacle, in strides
+  };
+  /// What a plane's pixels show of one box.
+  struct Look {
+    int seen = 0, unclear = 0;
+    bool may_hide = false;  // the smallest obstacle
+  };
+  /// The largest square.
+  struct Square {
+    int edge = 0, end_u = 0, end_v = 0;  // in strides; its last pixel
+  };
+
+  void layOut(const Fan& fan, double from_m, double smallest_m);
+  Place place(const Plane& plane, const ScaleCorrection& correction, double nearest_m) const;
+  /// Of pixels that both cameras see.
+  static bool isUnclear(int u, int v, const Place& place, const ClearRays& rays) {
+    return place.shift_px <= u && !(place.is_searched && rays.isClear(u, v, place.at_px, place.shift_px));
+  }
+  void findUnclear(const Plane& plane, const Place& place, const ClearRays& rays);
+  Look look(const Plane& plane, const Section& section, const Place& place) const;
+  Square search(const Plane& plane, const Place& place, int direction, const ClearRays& rays);
+  Unobserved measure(int direction) const;
+  void findHole(int direction, const ClearRays& rays, Unobserved& found);
 
   StereoGeometry geometry_;
+  Fan fan_{Box()};
+  double from_m_ = kNaN, smallest_m_ = kNaN;
+  std::vector<Plane> planes_;                          // of fan_, the nearest first
+  std::vector<Place> places_;                          // a plane
+  std::vector<Look> looks_;                            // a plane and direction
+  cv::Mat unclear_, hides_, unclear_sum_, hides_sum_;  // of the plane that is looked at, strided
   std::vector<int> squares_, above_;  // edges of the squares that end at each column, of this row and the one above
+  std::vector<Unobserved> found_;
 };
 
 }  // namespace flight_corridor

@@ -1,21 +1,53 @@
 #pragma once
 
-#include "flight_corridor/geometry/box.hpp"
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/stereo/window_matcher.hpp"
 #include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
 
-/// Whether a railing may stand in a box before the wall behind it. Equal bars match at their disparity, and at those
+/// Whether railings may stand in boxes before the wall behind them. Equal bars match at their disparity, and at those
 /// that are smaller by their pitch, too; where the wall is there, they are taken for it. Then many windows of 5 px by 5
 /// px that were matched on one surface fit in the box as well, all at one same offset, and so far beside them, where
 /// the next bar is, there are others of them. So do those of a fence or a net that is behind the box, but beside these
 /// something is farther: no wall shows at the very distance of the pattern. And no fence's bars are as far apart as
-/// those of a near railing would be there.
-/// @param depth_m CV_32FC1 of the pair's size, NaN = nothing known.  @param nearest_m that is searched.
-/// @param is_lidar_valid whether the LiDAR's beam meets something in the view of the box's end:
-/// where nearly all windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
-bool mayBeRailing(const Box& box_C, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m,
-                  bool is_lidar_valid, const StereoGeometry& geometry);
+/// those of a near railing would be there. One object, one
+/// thread.
+class Railings {
+ public:
+  explicit Railings(const StereoGeometry& geometry);
+  ~Railings();
+
+  /// From now on this pair is looked at; a window of it once, whatever the boxes.
+  /// @param fan all boxes.  @param depth_m CV_32FC1 of the pair's size, NaN = nothing known.
+  /// @param nearest_m that is searched.
+  void look(const Fan& fan, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m);
+
+  /// @param is_lidar_valid whether the LiDAR's beam meets something in the view of the box's end: where nearly all
+  /// windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
+  bool mayBeIn(const Box& box_C, bool is_lidar_valid);
+
+ private:
+  /// A small window of the left image, and where else it fits.
+  struct Window;
+
+  const Window& window(int u, int v);
+  int wholePixels(double disparity_px) const;
+
+  StereoGeometry geometry_;
+  StereoFrame pair_;
+  cv::Mat depth_m_;
+  cv::Rect view_;    // of all boxes
+  int rows_px_ = 1;  // between windows
+  int nearest_px_ = 0;
+  std::optional<WindowMatcher> matcher_;
+  std::vector<Window> windows_;
+  std::vector<float> correlations_;
+};
 
 }  // namespace flight_corridor

@@ -33,6 +33,13 @@ bool contains(const Eigen::Vector3d& size_m, const Eigen::Vector3d& point_F);
 /// Whether an oriented box and a cube share a point (separating axes, Gottschalk 1996). Touching counts.
 bool intersects(const Box& box, const Eigen::Vector3d& cube_centre_M, double cube_edge_m);
 
+/// Where a ray from the origin of M is in a box, as multiples of its direction; behind the origin they are negative.
+struct Crossing {
+  double entry, exit;
+  bool meets() const { return entry < exit && exit > 0.0; }
+};
+Crossing crossing(const Eigen::Isometry3d& T_F_M, const Eigen::Vector3d& size_m, const Eigen::Vector3d& direction_M);
+
 /// Of its corners, along z of M [m].
 double farthestCorner(const Box& box);
 double nearestCorner(const Box& box);
