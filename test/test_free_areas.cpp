@@ -12,10 +12,10 @@ constexpr double kStep_rad = 0.1;
 const Eigen::Vector3d kAhead = Eigen::Vector3d::UnitX();
 
 /// FREE where a mark says so; the lowest row first.
-FreeAreas marked(const char (&marks)[16]) {
+AreaGrid marked(const char (&marks)[16]) {
   std::vector<Verdict> verdicts(15);
   for (int i = 0; i < 15; ++i) verdicts[i].state = marks[i] == '+' ? State::Free : State::Blocked;
-  return freeAreas(kYaws, kPitches, verdicts);
+  return areaGrid(kYaws, kPitches, verdicts);
 }
 
 TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {

@@ -41,7 +41,7 @@ TEST(PipelineFreeAreas, AgreeWithAQueryOfEachDirectionsBox) {
   for (const char* scene : {"forest", "side_obstacles", "narrow_gap", "checker_wall", "low_ground"}) {
     for (const std::size_t pair : {1u, 4u}) {
       AfterAFlight flight(scene, pair);
-      const FreeAreas areas = flight.pipeline.freeAreas();
+      const AreaGrid areas = flight.pipeline.freeAreas();
       ASSERT_EQ(areas.areas.size(), 65u);
       for (const FreeArea& area : areas.areas) {
         Box box = flight.pipeline.boxInCamera();
@@ -63,7 +63,7 @@ TEST(PipelineFreeAreas, AgreeWithAQueryOfEachDirectionsBox) {
 
 TEST(PipelineFreeAreas, StraightAheadIsTheCorridor) {
   AfterAFlight flight("forest", 3);
-  const FreeAreas areas = flight.pipeline.freeAreas();
+  const AreaGrid areas = flight.pipeline.freeAreas();
   const Verdict corridor = flight.pipeline.query(flight.pipeline.box());
   EXPECT_EQ(areas.areas[32].yaw_rad, 0.0);
   EXPECT_EQ(areas.areas[32].verdict.state, corridor.state);
@@ -72,7 +72,7 @@ TEST(PipelineFreeAreas, StraightAheadIsTheCorridor) {
 TEST(PipelineFreeAreas, NothingIsFreeBeforeThereIsAPair) {
   AfterAFlight flight("forest", 0);
   Pipeline fresh(flight.pipeline.config(), flight.pipeline.geometry(), Rig());
-  const FreeAreas areas = fresh.freeAreas();
+  const AreaGrid areas = fresh.freeAreas();
   EXPECT_EQ(areas.best, -1);
   for (const FreeArea& area : areas.areas) {
     EXPECT_EQ(area.verdict.state, State::Unknown);

@@ -78,7 +78,7 @@ class Pipeline {
   /// Which directions are free now, by the corridor's rule and the last pair.
   /// @param goal_C wanted direction in C, of any length; absent: along the corridor.
   /// @return valid until the next call.
-  const FreeAreas& freeAreas(const std::optional<Eigen::Vector3d>& goal_C = std::nullopt);
+  const AreaGrid& freeAreas(const std::optional<Eigen::Vector3d>& goal_C = std::nullopt);
 
   /// The nearest obstacles in the view, by the corridor's rule and the last pair.
   /// @param R_C_H turns vectors of a level frame, x along the heading, z up, into C.
@@ -169,7 +169,7 @@ class Pipeline {
   cv::Mat depth_m_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Report report_;
-  FreeAreas free_areas_;
+  AreaGrid free_areas_;
   Counters counters_;
 };
 

@@ -20,9 +20,9 @@ std::vector<double> gridAngles(double limit_rad, double step_rad) {
   return angles_rad;
 }
 
-FreeAreas freeAreas(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
+AreaGrid areaGrid(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
                     const std::vector<Verdict>& verdicts) {
-  FreeAreas grid;
+  AreaGrid grid;
   grid.columns = static_cast<int>(yaws_rad.size());
   grid.rows = static_cast<int>(pitches_rad.size());
   for (const double pitch_rad : pitches_rad) {
@@ -36,7 +36,7 @@ Eigen::Vector3d ahead(const FreeArea& area) {
           std::sin(area.pitch_rad)};
 }
 
-int bestArea(const FreeAreas& grid, const Eigen::Vector3d& goal_F, double step_rad) {
+int bestArea(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double step_rad) {
   const auto is_free = [&](int row, int column) {
     return 0 <= row && row < grid.rows && 0 <= column && column < grid.columns &&
            grid.areas[row * grid.columns + column].verdict.state == State::Free;

@@ -26,7 +26,7 @@ struct FreeArea {
 };
 
 /// All directions, row by row: the lowest pitch first, in a row the rightmost yaw first.
-struct FreeAreas {
+struct AreaGrid {
   int columns = 0, rows = 0;
   std::vector<FreeArea> areas;
   int best = -1;  ///< Index of the FREE one to be taken; -1: none is FREE.
@@ -43,7 +43,7 @@ struct LevelScan {
 std::vector<double> gridAngles(double limit_rad, double step_rad);
 
 /// @param verdicts of a fan's directions.
-FreeAreas freeAreas(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
+AreaGrid areaGrid(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
                     const std::vector<Verdict>& verdicts);
 
 /// Unit vector of a direction in the corridor's frame.
@@ -53,6 +53,6 @@ Eigen::Vector3d ahead(const FreeArea& area);
 /// beside it.
 /// @param goal_F wanted direction in the corridor's frame, of any length; one that is none: straight ahead.
 /// @return -1: none is FREE.
-int bestArea(const FreeAreas& areas, const Eigen::Vector3d& goal_F, double step_rad);
+int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
 
 }  // namespace flight_corridor
