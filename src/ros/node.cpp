@@ -31,6 +31,8 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       watchdog_s_(config_.ros.watchdog_s),
       publishers_(private_node, config_.core),
       transforms_(node),
+      goal_(transforms_),
+      directions_(private_node, config_.core, goal_),
       processor_(config_, transforms_, inbox_),
       diagnostics_(node, private_node),
       answered_s_(steadySeconds()),
@@ -42,6 +44,9 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
           "range", kReadingQueue, [this](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); })),
       imu_(ros::NodeHandle(node).subscribe<sensor_msgs::Imu>(
           "imu", kReadingQueue, [this](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); })),
+      goal_direction_(ros::NodeHandle(node).subscribe<geometry_msgs::Vector3Stamped>(
+          "goal_direction", 1,
+          [this](const geometry_msgs::Vector3StampedConstPtr& goal) { goal_.put(*goal, ros::Time::now()); })),
       watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
       worker_([this] { work(); }) {
   if (config_.core.fusion.acceleration_sigma_mps2 == 0.0) {
@@ -87,7 +92,7 @@ void Node::answer(const StereoMessages& pair) {
   }
   const auto refuseOld = [&] {
     publish(header, refusal(header.stamp, flight_corridor::kNoData));
-    publishers_.removeBox(header);
+    publishRefusal(header, refusal(header.stamp, flight_corridor::kNoData));
   };
   if (!isFresh(header.stamp)) return refuseOld();
   const Report& report = processor_.process(pair);
@@ -96,8 +101,9 @@ void Node::answer(const StereoMessages& pair) {
   if (auto* pipeline = processor_.products()) {
     publishers_.publishProducts(*processor_.leftInfo(), header, processor_.left(), *pipeline, report,
                                 processor_.lidar());
+    directions_.publish(header, processor_.left(), *pipeline, [this] { return processor_.level(); });
   } else {
-    publishers_.removeBox(header);
+    publishRefusal(header, report);
   }
 }
 
@@ -105,6 +111,12 @@ void Node::publish(const std_msgs::Header& header, const Report& report) {
   publishers_.publishVerdict(header, report);
   answered_s_ = steadySeconds();
   diagnostics_.record(report, processor_.counters(), ros::Time::now().toSec() - header.stamp.toSec());
+}
+
+/// What else the refusal of a pair, or its absence, means to those who listen.
+void Node::publishRefusal(const std_msgs::Header& header, const Report& report) {
+  publishers_.removeBox(header);
+  directions_.publishRefusal(header, report.verdict.reasons);
 }
 
 /// Also stamps from the future are no fresh data: clocks that differ would hide how old it is.
@@ -131,8 +143,9 @@ void Node::guard() {
     const std::lock_guard<std::mutex> lock(camera_frame_mutex_);
     header.frame_id = camera_frame_;
   }
-  publishers_.publishVerdict(header, refusal(header.stamp, flight_corridor::kNoData));
-  publishers_.removeBox(header);
+  const Report report = refusal(header.stamp, flight_corridor::kNoData);
+  publishers_.publishVerdict(header, report);
+  publishRefusal(header, report);
   if (silence_warning_.due()) {
     ROS_WARN("no stereo pair answered for %.1f s: UNKNOWN. %s", silent_s, stereo_.explainSilence(silent_s).c_str());
   }

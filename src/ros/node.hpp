@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "ros/diagnostics.hpp"
+#include "ros/direction_publishers.hpp"
+#include "ros/goal_direction.hpp"
 #include "ros/heartbeat.hpp"
 #include "ros/inbox.hpp"
 #include "ros/params.hpp"
@@ -37,6 +39,7 @@ class Node {
   void work();
   void answer(const StereoMessages& pair);
   void publish(const std_msgs::Header& header, const flight_corridor::Report& report);
+  void publishRefusal(const std_msgs::Header& header, const flight_corridor::Report& report);
   bool isFresh(const ros::Time& stamp);
   double silence() const;
   void guard();
@@ -46,6 +49,8 @@ class Node {
   std::atomic<double> max_age_s_, watchdog_s_;  // effective
   Publishers publishers_;
   Transforms transforms_;
+  GoalDirection goal_;
+  DirectionPublishers directions_;
   Inbox inbox_;
   Processor processor_;
   Diagnostics diagnostics_;
@@ -58,7 +63,7 @@ class Node {
   Services services_;
   Reconfigure reconfigure_;
   StereoSubscriber stereo_;
-  ros::Subscriber range_, imu_;
+  ros::Subscriber range_, imu_, goal_direction_;
   Heartbeat watchdog_;
   std::thread worker_;  // last: nothing after it may throw
 };

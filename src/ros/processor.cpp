@@ -51,21 +51,25 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   newest_stamp_ = header.stamp;
   left_info_ = scaled(pair.left_info, config_.ros.scale);
   const auto right_info = scaled(pair.right_info, config_.ros.scale);
+  const auto imu_messages = inbox_.takeImu(header.stamp);
+  for (const auto& imu : imu_messages) up_.add(imu);
   if (const std::uint32_t reasons = rig_.fit(header, *left_info_, *right_info, inbox_.rangeFrames())) {
     return report_ = refusal(header.stamp, reasons);
   }
-  addReadings(header);
+  addReadings(header, imu_messages);
   left_ = readImage(pair.left, *pair.left_info);
   const auto right = readImage(pair.right, *pair.right_info);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
   explain(pair, right->image);
   has_products_ = !isRefusal(report_);
   if (has_products_) map_header_ = headerOfMap(header);
+  camera_header_ = header;
   return report_;
 }
 
 void Processor::reset() {
   rig_.reset();
+  up_.reset();
   lidar_.reset();
   has_products_ = false;
   report_ = refusal({}, flight_corridor::kNoData);
@@ -96,9 +100,16 @@ flight_corridor::Counters Processor::counters() {
   return counters;
 }
 
+std::optional<Eigen::Matrix3d> Processor::level() {
+  const auto up_C = up_.find(camera_header_);
+  if (!up_C) return std::nullopt;
+  return levelled(rig_->boxInCamera().T_M_F.linear(), *up_C);
+}
+
 /// Readings up to an image.
-void Processor::addReadings(const std_msgs::Header& header) {
-  for (const auto& imu : inbox_.takeImu(header.stamp)) {
+void Processor::addReadings(const std_msgs::Header& header,
+                            const std::vector<sensor_msgs::ImuConstPtr>& imu_messages) {
+  for (const auto& imu : imu_messages) {
     const auto acceleration_C = accelerometer_.read(*imu, header.frame_id);
     if (acceleration_C) rig_->addAcceleration(imu->header.stamp.toSec(), *acceleration_C);
   }

@@ -10,6 +10,7 @@
 #include "ros/params.hpp"
 #include "ros/rig_pipeline.hpp"
 #include "ros/transforms.hpp"
+#include "ros/up_direction.hpp"
 
 namespace flight_corridor_ros {
 
@@ -27,7 +28,8 @@ class Processor {
       : config_(config),
         transforms_(transforms),
         inbox_(inbox),
-        rig_(config.core, transforms, config.ros.tf_timeout_s),
+        up_(config.ros.gravity_frame, transforms, config.ros.tf_timeout_s),
+        rig_(config.core, transforms, config.ros.tf_timeout_s, up_),
         accelerometer_(config.ros.gravity_frame, transforms),
         empty_map_(config.core.map.resolution_m) {}
 
@@ -59,6 +61,9 @@ class Processor {
   const std_msgs::Header& mapHeader() const { return map_header_; }
   /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
+  /// Turns vectors of a level frame, x along the corridor's heading, z up, into C at the last pair; nullopt where nobody
+  /// knows where up is, or the corridor has no heading. Needs products().
+  std::optional<Eigen::Matrix3d> level();
   /// The last pair's left image at ros/scale, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
   /// Its CameraInfo at ros/scale; null before the first pair.
@@ -69,7 +74,7 @@ class Processor {
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);
   std_msgs::Header headerOfMap(const std_msgs::Header& left) const;
-  void addReadings(const std_msgs::Header& header);
+  void addReadings(const std_msgs::Header& header, const std::vector<sensor_msgs::ImuConstPtr>& imu_messages);
   void addRange(const sensor_msgs::RangeConstPtr& range);
   void watchRefused(const char* sensor, const Inbox::Refused& refused, std::uint64_t& known);
   void watchLidar(const flight_corridor::RangeReading& reading);
@@ -80,10 +85,11 @@ class Processor {
   const NodeConfig config_;
   const Transforms& transforms_;
   Inbox& inbox_;
+  UpDirection up_;
   RigPipeline rig_;
   Accelerometer accelerometer_;
   const octomap::OcTree empty_map_;
-  std_msgs::Header map_header_;
+  std_msgs::Header map_header_, camera_header_;
   flight_corridor::Report report_ = refusal({}, flight_corridor::kNoData);
   sensor_msgs::RangeConstPtr lidar_;
   cv_bridge::CvImageConstPtr left_ = boost::make_shared<cv_bridge::CvImage>();

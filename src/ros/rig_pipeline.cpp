@@ -128,8 +128,25 @@ void RigPipeline::mount(const std::string& range_frame, const Eigen::Isometry3d&
   T_C_L_ = T_C_L;
 }
 
-/// Where the corridor points at a pair's stamp, T_C_F: its frame may turn against the camera.
+/// Where the corridor points at a pair's stamp, T_C_F.
 std::optional<Eigen::Isometry3d> RigPipeline::forward(const std_msgs::Header& camera) {
+  auto T_C_F = frameOfCorridor(camera);
+  if (!T_C_F || !config_.corridor.level) return T_C_F;
+  const auto up_C = up_.find(camera);  // warns
+  if (!up_C) return std::nullopt;
+  const auto R_C_H = levelled(T_C_F->linear(), *up_C);
+  if (R_C_H) {
+    T_C_F->linear() = *R_C_H;
+    return T_C_F;
+  }
+  if (level_warning_.due()) {
+    ROS_WARN("the corridor points straight up or down, where it has no heading (corridor/level): UNKNOWN");
+  }
+  return std::nullopt;
+}
+
+/// Its frame may turn against the camera.
+std::optional<Eigen::Isometry3d> RigPipeline::frameOfCorridor(const std_msgs::Header& camera) {
   const std::string& frame = config_.corridor.frame_id;
   if (frame.empty()) return flight_corridor::opticalFromForward();
   const auto T_C_F = transforms_.find(camera.frame_id, frame, camera.stamp, tf_timeout_s_);

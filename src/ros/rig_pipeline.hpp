@@ -11,15 +11,17 @@
 #include "flight_corridor/pipeline.hpp"
 #include "ros/heartbeat.hpp"
 #include "ros/transforms.hpp"
+#include "ros/up_direction.hpp"
 
 namespace flight_corridor_ros {
 
 /// The pipeline for the rig that CameraInfo and tf describe, made anew when the cameras change. One thread.
 class RigPipeline {
  public:
-  /// @param tf_timeout_s waits so long for the corridor's frame.
-  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s)
-      : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
+  /// @param tf_timeout_s waits so long for the corridor's frame.  @param up for a level corridor.
+  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s,
+              UpDirection& up)
+      : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s), up_(up) {}
 
   /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam
   /// ends in the camera's view, else that looks ahead; it stays the LiDAR while that holds, and sits where tf says now.
@@ -52,16 +54,18 @@ class RigPipeline {
   void mount(const std::string& range_frame, const Eigen::Isometry3d& T_C_L);
   void make(const flight_corridor::StereoGeometry& geometry, const Eigen::Isometry3d& T_C_F);
   std::optional<Eigen::Isometry3d> forward(const std_msgs::Header& camera);
+  std::optional<Eigen::Isometry3d> frameOfCorridor(const std_msgs::Header& camera);
 
   flight_corridor::Config config_;
   const Transforms& transforms_;
   double tf_timeout_s_;
+  UpDirection& up_;
   std::string camera_frame_, lidar_frame_;
   std::optional<Eigen::Isometry3d> T_C_L_;
   bool lidar_moved_ = false;  // since the pipeline got its pose
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
   bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
-  Throttle warning_, lidar_warning_;
+  Throttle warning_, lidar_warning_, level_warning_;
 };
 
 }  // namespace flight_corridor_ros

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "view/canvas.hpp"
+
 namespace flight_corridor {
 
 namespace {
-
-constexpr double kNearestDrawn_m = 0.1;  // edges of the box that reach behind the camera are cut here
 
 std::string metres(const char* name, double value_m, const char* none) {
   if (!std::isfinite(value_m)) return std::string(name) + " " + none;
@@ -21,52 +21,12 @@ std::string metres(const char* name, double value_m, const char* none) {
   return text.data();
 }
 
-void write(cv::Mat& image, const std::string& text, cv::Point at, double scale, const cv::Scalar& colour) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_DUPLEX, scale, {0, 0, 0}, 3, cv::LINE_AA);
-  cv::putText(image, text, at, cv::FONT_HERSHEY_DUPLEX, scale, colour, 1, cv::LINE_AA);
-}
-
 /// Corner of the box's cross-section at a distance, in C; corners in order around it.
 Eigen::Vector3d corner(const Box& box_C, double x_m, int index) {
   const double side = index == 0 || index == 3 ? 0.5 : -0.5;
   const double up = index < 2 ? 0.5 : -0.5;
   return box_C.T_M_F * Eigen::Vector3d(x_m, side * box_C.size_m.y(), up * box_C.size_m.z());
 }
-
-class Canvas {
- public:
-  Canvas(const StereoGeometry& geometry, cv::Mat& image) : geometry_(geometry), image_(image) {}
-
-  void line(Eigen::Vector3d from_C, Eigen::Vector3d to_C, const cv::Scalar& colour) {
-    if (from_C.z() > to_C.z()) std::swap(from_C, to_C);
-    if (to_C.z() <= kNearestDrawn_m) return;
-    if (from_C.z() < kNearestDrawn_m) {
-      from_C += (to_C - from_C) * ((kNearestDrawn_m - from_C.z()) / (to_C.z() - from_C.z()));
-    }
-    cv::line(image_, pixel(from_C), pixel(to_C), colour, 1, cv::LINE_AA);
-  }
-
-  void fill(const std::vector<Eigen::Vector3d>& polygon_C, const cv::Scalar& colour, double opacity) {
-    std::vector<cv::Point> outline;
-    for (const Eigen::Vector3d& p_C : polygon_C) {
-      if (p_C.z() <= kNearestDrawn_m) return;
-      outline.push_back(pixel(p_C));
-    }
-    cv::Mat painted = image_.clone();
-    cv::fillConvexPoly(painted, outline, colour, cv::LINE_AA);
-    cv::addWeighted(painted, opacity, image_, 1.0 - opacity, 0.0, image_);
-    cv::polylines(image_, outline, true, colour, 2, cv::LINE_AA);
-  }
-
- private:
-  cv::Point pixel(const Eigen::Vector3d& p_C) const {
-    const Eigen::Vector2d pixel = geometry_.project(p_C).cwiseMax(-10000.0).cwiseMin(10000.0);
-    return {cvRound(pixel.x()), cvRound(pixel.y())};
-  }
-
-  const StereoGeometry& geometry_;
-  cv::Mat& image_;
-};
 
 }  // namespace
 
@@ -84,11 +44,7 @@ cv::Scalar colour(State state) {
 
 void drawOverlay(const cv::Mat& left, const StereoGeometry& geometry, const Box& box_C, const Verdict& verdict,
                  const RangeEstimate& range, cv::Mat& out) {
-  if (left.channels() == 1) {
-    cv::cvtColor(left, out, cv::COLOR_GRAY2BGR);
-  } else {
-    left.copyTo(out);
-  }
+  toColour(left, out);
   const cv::Scalar paint = colour(verdict.state);
   Canvas canvas(geometry, out);
   const double end_m = box_C.size_m.x();

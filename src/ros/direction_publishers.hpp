@@ -1,0 +1,47 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_msgs/Header.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <functional>
+#include <mutex>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "flight_corridor/pipeline.hpp"
+#include "ros/goal_direction.hpp"
+
+namespace flight_corridor_ros {
+
+/// The node's private topics of more than the corridor: ~free_areas with its image and markers, ~scan and
+/// ~obstacle_distance. Nothing is computed of what nobody listens to.
+class DirectionPublishers {
+ public:
+  /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: nobody knows where up is.
+  using Level = std::function<std::optional<Eigen::Matrix3d>()>;
+
+  DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config,
+                      GoalDirection& goal);
+
+  /// By the pipeline's last pair.  @param header the left image's.  @param left CV_8UC1.
+  void publish(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline,
+               const Level& level);
+
+  /// Nothing is known: the pair was refused, or none came. Any thread.
+  void publishRefusal(const std_msgs::Header& header, std::uint32_t reasons);
+
+ private:
+  void publishAreas(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline);
+  void publishScans(const std_msgs::Header& header, const flight_corridor::LevelScan& scan);
+
+  const flight_corridor::Config config_;  // at the start: of the corridor the pipeline knows more
+  GoalDirection& goal_;
+  ros::Publisher areas_, image_, markers_, scan_, obstacle_distance_;
+  std::optional<tf2_ros::TransformBroadcaster> broadcaster_;  // of the scan's frames, where somebody listens
+  cv::Mat picture_;
+  std::mutex scan_mutex_;
+  std::optional<flight_corridor::LevelScan> unknown_scan_;  // the directions of the last one
+};
+
+}  // namespace flight_corridor_ros

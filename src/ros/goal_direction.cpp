@@ -1,0 +1,43 @@
+#include "ros/goal_direction.hpp"
+
+#include <ros/console.h>
+
+#include <cmath>
+
+#include "flight_corridor/range/pending_readings.hpp"
+
+namespace flight_corridor_ros {
+
+void GoalDirection::put(const geometry_msgs::Vector3Stamped& message, const ros::Time& now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Eigen::Vector3d direction(message.vector.x, message.vector.y, message.vector.z);
+  const std::string frame = withoutSlash(message.header.frame_id);
+  const double norm = direction.norm(), age_s = now.toSec() - message.header.stamp.toSec();
+  if (frame.empty()) return refuse("it names no frame (header.frame_id)");
+  if (!(1e-6 <= norm && std::isfinite(norm))) return refuse("its vector has no direction");
+  if (!message.header.stamp.isZero() && !(std::abs(age_s) <= flight_corridor::kLongestDelay_s)) {
+    return refuse("it is " + std::to_string(age_s) + " s old, outside +-" +
+                  std::to_string(flight_corridor::kLongestDelay_s) + " s: stamp it when it is sent, or with 0");
+  }
+  frame_ = frame;
+  direction_ = direction / norm;
+}
+
+void GoalDirection::refuse(const std::string& why) {
+  if (warning_.due()) ROS_WARN("a goal_direction is refused, the last one stays: %s", why.c_str());
+}
+
+std::optional<Eigen::Vector3d> GoalDirection::find(const std_msgs::Header& camera) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (frame_.empty()) return std::nullopt;
+  if (const auto T_C_G = transforms_.find(camera.frame_id, frame_, camera.stamp)) return T_C_G->linear() * direction_;
+  if (frame_warning_.due()) {
+    ROS_WARN(
+        "tf gave no pose of \"%s\" (goal_direction) in \"%s\" at %.3f in time: straight ahead is wanted instead. Name a "
+        "frame that tf connects with the camera",
+        frame_.c_str(), camera.frame_id.c_str(), camera.stamp.toSec());
+  }
+  return std::nullopt;
+}
+
+}  // namespace flight_corridor_ros

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <sensor_msgs/Imu.h>
+#include <std_msgs/Header.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "ros/heartbeat.hpp"
+#include "ros/transforms.hpp"
+
+namespace flight_corridor_ros {
+
+/// R_C_H of the level frame H, x along the heading of F, z up: what F becomes when roll and pitch are taken from it.
+/// @param up_C where up is, a unit vector.
+/// @return nullopt when F points so steeply, above 80 degrees, that it has no heading.
+std::optional<Eigen::Matrix3d> levelled(const Eigen::Matrix3d& R_C_F, const Eigen::Vector3d& up_C);
+
+/// Where up is in the imu's frame, by its orientation (REP-145: of the imu in a fixed frame, z up).
+/// @return nullopt when the message says that it holds none (covariance[0] = -1), or holds no unit quaternion.
+std::optional<Eigen::Vector3d> toUp(const sensor_msgs::Imu& message);
+
+/// Where up is, from tf or the imu's attitude. One thread.
+class UpDirection {
+ public:
+  /// @param gravity_frame a fixed frame of tf, z up.
+  /// @param tf_timeout_s waits so long for it, where tf knows it at all and no imu speaks.
+  UpDirection(const std::string& gravity_frame, const Transforms& transforms, double tf_timeout_s)
+      : gravity_frame_(gravity_frame), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
+
+  /// A message of the imu; the newest that holds an attitude counts.
+  void add(const sensor_msgs::ImuConstPtr& imu);
+
+  /// Unit vector in the camera's frame C at its stamp: by tf, else by the imu, if it spoke within 0.1 s of then.
+  /// @return nullopt, and a throttled warning, when nobody knows.
+  std::optional<Eigen::Vector3d> find(const std_msgs::Header& camera);
+
+  /// Forgets the imu.
+  void reset() { imu_.reset(); }
+
+ private:
+  std::optional<Eigen::Vector3d> byTf(const std_msgs::Header& camera, double timeout_s) const;
+  std::optional<Eigen::Vector3d> byImu(const std_msgs::Header& camera) const;
+
+  std::string gravity_frame_;
+  const Transforms& transforms_;
+  double tf_timeout_s_;
+  sensor_msgs::ImuConstPtr imu_;
+  Throttle warning_;
+};
+
+}  // namespace flight_corridor_ros
