@@ -41,8 +41,9 @@ std::set<std::string> fieldsIn(const std::string& header) {
   const std::regex structure("struct (\\w+)Config \\{([^]*?)\\n\\};");
   const std::regex field("\\n  [\\w:]+ (\\w+)[^;\\n]*;");
   for (std::sregex_iterator s(text.begin(), text.end(), structure), end; s != end; ++s) {
-    std::string section = (*s)[1];
-    section[0] = static_cast<char>(std::tolower(section[0]));
+    const std::string name = std::regex_replace((*s)[1].str(), std::regex("(.)([A-Z])"), "$1_$2");
+    std::string section;
+    for (const char letter : name) section += static_cast<char>(std::tolower(letter));
     const std::string body = (*s)[2];
     for (std::sregex_iterator f(body.begin(), body.end(), field); f != end; ++f) {
       keys.insert(section + "/" + (*f)[1].str());
@@ -54,7 +55,8 @@ std::set<std::string> fieldsIn(const std::string& header) {
 TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
   std::set<std::string> declared = fieldsIn(FLIGHT_CORRIDOR_SOURCE_DIR "/src/ros/params.hpp");
   for (const char* module : {"stereo/disparity_estimator", "range/beam_footprint", "range/range_fusion",
-                             "range/scale_correction", "config", "map/map_config", "corridor/corridor"}) {
+                             "range/scale_correction", "config", "map/map_config", "corridor/corridor",
+                             "corridor/free_areas", "corridor/safe_speed"}) {
     declared.merge(fieldsIn(std::string(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/") + module + ".hpp"));
   }
   declared.erase("node/core");

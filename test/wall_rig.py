@@ -14,7 +14,10 @@ CAMERA, LIDAR = "left_camera_optical", "range_link"
 
 
 class WallRig:
+    """self.disparity_px says how far away the wall is: FOCAL_PX * BASELINE_M / disparity; 0 or less: nothing is sent."""
+
     def __init__(self, with_tf=True):
+        self.disparity_px = DISPARITY_PX
         self.publishers = {name: rospy.Publisher(name, kind, queue_size=2) for name, kind in (
             ("/stereo/left/image_rect", Image), ("/stereo/right/image_rect", Image),
             ("/stereo/left/camera_info", CameraInfo), ("/stereo/right/camera_info", CameraInfo), ("/range", Range))}
@@ -28,14 +31,17 @@ class WallRig:
         self.frames.sendTransform(mounting())
 
     def publish(self, _):
+        disparity_px = self.disparity_px
+        if disparity_px <= 0:
+            return
         stamp = rospy.Time.now()
         # Noise of each image: equal ones would be a frozen camera.
         wall = texture(self.random)
-        for side, begin_px, baseline_m in (("left", 0, 0.0), ("right", DISPARITY_PX, BASELINE_M)):
+        for side, begin_px, baseline_m in (("left", 0, 0.0), ("right", disparity_px, BASELINE_M)):
             pixels = wall[:, begin_px:begin_px + WIDTH_PX]
             self.send("/stereo/%s/image_rect" % side, image(pixels), stamp, CAMERA)
             self.send("/stereo/%s/camera_info" % side, calibration(baseline_m), stamp, CAMERA)
-        reading = Range(field_of_view=0.01, min_range=0.2, max_range=40.0, range=WALL_M)
+        reading = Range(field_of_view=0.01, min_range=0.2, max_range=40.0, range=FOCAL_PX * BASELINE_M / disparity_px)
         self.send("/range", reading, stamp, LIDAR)
 
     def send(self, topic, message, stamp, frame):

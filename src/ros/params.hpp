@@ -12,7 +12,7 @@ struct RosConfig {
   bool approximate_sync = false;        ///< Pair images whose stamps differ; false: equal stamps only.
   double sync_slop_s = 0.01;            ///< Largest difference within a pair when approximate_sync.
   int sync_queue = 10;                  ///< Images and CameraInfos that wait for their partners, per topic.
-  std::string gravity_frame = "odom";   ///< Fixed frame, z up: the imu's attitude in it gives the direction of gravity.
+  std::string gravity_frame = "odom";   ///< Fixed frame of tf, z up: says where up is.
   double watchdog_s = 0.5;              ///< Without a verdict for so long, UNKNOWN is published.
   double tf_timeout_s = 0.05;           ///< Wait for a pose at an image's stamp.
   std::string image_transport = "raw";  ///< Transport of the images that come in.

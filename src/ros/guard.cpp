@@ -1,0 +1,160 @@
+#include "ros/guard.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "ros/fields.hpp"
+#include "ros/transforms.hpp"
+
+namespace flight_corridor_ros {
+
+namespace {
+
+using flight_corridor::CorridorState;
+using flight_corridor::FreeAreas;
+
+constexpr double kAlone_rad = 0.0873;  // step of a grid of one direction: the default of free_areas/step_rad
+constexpr double kReach = 0.9;         // of a step: directions that are nearer than this to a command's limit it
+
+/// Whether a message is as its definition says: all arrays are of one size.
+bool isComplete(const FreeAreas& areas) {
+  const std::size_t count = static_cast<std::size_t>(areas.rows) * areas.columns;
+  return count > 0 && areas.yaw.size() == count && areas.pitch.size() == count && areas.state.size() == count &&
+         areas.safe_speed.size() == count;
+}
+
+/// From a direction to the next.
+double stepOf(const FreeAreas& areas) {
+  if (areas.columns > 1) return std::abs(areas.yaw[1] - areas.yaw[0]);
+  if (areas.rows > 1) return std::abs(areas.pitch[1] - areas.pitch[0]);
+  return kAlone_rad;
+}
+
+bool isFinite(const geometry_msgs::Twist& twist) {
+  const auto finite = [](const geometry_msgs::Vector3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  return finite(twist.linear) && finite(twist.angular);
+}
+
+std::string degrees(double yaw_rad, double pitch_rad) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.0f deg left, %.0f deg up", yaw_rad * 180.0 / M_PI, pitch_rad * 180.0 / M_PI);
+  return text;
+}
+
+}  // namespace
+
+GuardConfig makeGuardConfig(const Values& values) {
+  GuardConfig config;
+  flight_corridor::Violations broken = assign(values, {{"stamped", &config.stamped},
+                                                       {"frame_id", &config.frame_id},
+                                                       {"rate_hz", &config.rate_hz},
+                                                       {"max_age_s", &config.max_age_s},
+                                                       {"command_age_s", &config.command_age_s}});
+  const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {
+    if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
+  };
+  config.frame_id = withoutSlash(config.frame_id);
+  require(!config.frame_id.empty(), "frame_id", "a frame's name", config.frame_id);
+  require(1.0 <= config.rate_hz && config.rate_hz <= 200.0, "rate_hz", "1 to 200", config.rate_hz);
+  require(0.0 < config.max_age_s && config.max_age_s <= 5.0, "max_age_s", "above 0, up to 5", config.max_age_s);
+  require(0.0 < config.command_age_s && config.command_age_s <= 5.0, "command_age_s", "above 0, up to 5",
+          config.command_age_s);
+  flight_corridor::throwIfBroken(broken);
+  return config;
+}
+
+void Guard::see(const FreeAreas& areas, const GuardTime& time) { take(areas, time, areas_); }
+
+void Guard::see(const CorridorState& corridor, const GuardTime& time) { take(corridor, time, corridor_); }
+
+/// A stamp that comes again, as of a /clock that stands still, is as old as when it came first.
+template <typename Message>
+void Guard::take(const Message& message, const GuardTime& time, Latest<Message>& latest) {
+  const bool is_again = latest.has_come && latest.message.header.stamp == message.header.stamp;
+  latest = {message, is_again ? latest.arrived_s : time.steady_s, true};
+}
+
+void Guard::command(const geometry_msgs::TwistStamped& command, const GuardTime& time) {
+  command_ = {command, time.steady_s, true};
+  if (command.header.stamp.isZero()) command_.message.header.stamp = time.now;
+}
+
+template <typename Message>
+bool Guard::isFresh(const Latest<Message>& latest, double max_age_s, const GuardTime& time) {
+  if (!latest.has_come) return false;
+  const double arrived_ago_s = time.steady_s - latest.arrived_s;
+  const double age_s = time.now.toSec() - latest.message.header.stamp.toSec();
+  return 0.0 <= arrived_ago_s && arrived_ago_s <= max_age_s && std::abs(age_s) <= max_age_s;
+}
+
+GuardedCommand Guard::limited(const GuardTime& time) const {
+  GuardedCommand out;
+  if (!isFresh(command_, config_.command_age_s, time)) {
+    out.why = command_.has_come ? "the command is too old (command_age_s)" : "";
+    return out;
+  }
+  const geometry_msgs::TwistStamped& command = command_.message;
+  const std::string frame = withoutSlash(command.header.frame_id);
+  if (config_.stamped && frame != config_.frame_id) {
+    out.why = "the command is in frame \"" + frame + "\", not in \"" + config_.frame_id + "\" (frame_id)";
+    return out;
+  }
+  if (!isFinite(command.twist)) {
+    out.why = "the command is not finite";
+    return out;
+  }
+  out.twist.angular = command.twist.angular;
+  const Eigen::Vector3d wanted(command.twist.linear.x, command.twist.linear.y, command.twist.linear.z);
+  const double speed_mps = wanted.stableNorm();
+  if (speed_mps == 0.0) return out;
+  const double yaw_rad = std::atan2(wanted.y(), wanted.x());
+  const double pitch_rad = std::atan2(wanted.z(), std::hypot(wanted.x(), wanted.y()));
+  const double safe_mps = safeSpeed(yaw_rad, pitch_rad, time, out.why);
+  const double share = std::min(1.0, safe_mps / speed_mps);
+  if (share == 1.0) out.why.clear();
+  out.twist.linear.x = share * wanted.x();
+  out.twist.linear.y = share * wanted.y();
+  out.twist.linear.z = share * wanted.z();
+  return out;
+}
+
+/// Of all directions of the grid that the UAV touches on its way in this one; straight ahead also of the corridor,
+/// which knows more.
+double Guard::safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const {
+  const FreeAreas& areas = areas_.message;
+  if (!isFresh(areas_, config_.max_age_s, time) || !isComplete(areas)) {
+    why = "no free_areas, or too old ones (max_age_s)";
+    return 0.0;
+  }
+  const double step_rad = stepOf(areas);
+  double nearest_rad = flight_corridor::kInfinity, safe_mps = flight_corridor::kInfinity;
+  bool is_ahead = false;
+  for (std::size_t i = 0; i < areas.yaw.size(); ++i) {
+    const double yaw_off_rad = std::abs(areas.yaw[i] - yaw_rad), pitch_off_rad = std::abs(areas.pitch[i] - pitch_rad);
+    const double off_rad = std::max(yaw_off_rad, pitch_off_rad);
+    nearest_rad = std::min(nearest_rad, off_rad);
+    if (!(off_rad <= kReach * step_rad)) continue;
+    const bool is_free = areas.state[i] != FreeAreas::UNKNOWN && areas.safe_speed[i] > 0.0;
+    safe_mps = std::min(safe_mps, is_free ? areas.safe_speed[i] : 0.0);
+    is_ahead = is_ahead || (std::abs(areas.yaw[i]) < 1e-6 && std::abs(areas.pitch[i]) < 1e-6);
+  }
+  why = "the safe speed " + degrees(yaw_rad, pitch_rad) + " is lower";
+  if (!(nearest_rad <= 0.5 * step_rad)) {
+    why = "nothing is known " + degrees(yaw_rad, pitch_rad) + ", beside the directions of free_areas";
+    return 0.0;
+  }
+  if (!is_ahead) return safe_mps;
+  if (!isFresh(corridor_, config_.max_age_s, time)) {
+    why = "no verdict on the corridor, or too old a one (max_age_s)";
+    return 0.0;
+  }
+  const CorridorState& corridor = corridor_.message;
+  const bool is_known = corridor.state != CorridorState::UNKNOWN && corridor.safe_speed > 0.0;
+  return std::min(safe_mps, is_known ? corridor.safe_speed : 0.0);
+}
+
+}  // namespace flight_corridor_ros

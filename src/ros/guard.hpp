@@ -1,0 +1,73 @@
+#pragma once
+
+#include <flight_corridor/CorridorState.h>
+#include <flight_corridor/FreeAreas.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <ros/time.h>
+
+#include <string>
+
+#include "ros/values.hpp"
+
+namespace flight_corridor_ros {
+
+/// Parameters of corridor_guard.
+struct GuardConfig {
+  bool stamped = false;              ///< Commands are TwistStamped, in and out; else Twist.
+  std::string frame_id = "base_link";  ///< Of stamped commands, x along the corridor; others are refused.
+  double rate_hz = 20.0;             ///< At which commands go out, whatever comes in.
+  double max_age_s = 0.5;            ///< An older verdict is none.
+  double command_age_s = 0.5;        ///< An older command is none.
+};
+
+/// Configuration with these values, defaults elsewhere.
+/// @throws std::invalid_argument listing every unknown key, wrong type and broken rule, with key, rule and value.
+GuardConfig makeGuardConfig(const Values& values);
+
+/// Two clocks: a stopped /clock makes nothing old, so that arrival is timed on one that nobody sets.
+struct GuardTime {
+  ros::Time now;
+  double steady_s = 0.0;
+};
+
+/// What goes out, and why it is slower than what came in; "": it is not.
+struct GuardedCommand {
+  geometry_msgs::Twist twist;
+  std::string why;
+};
+
+/// Limits a velocity to the safe speed of the direction in which it points. Commands are in the corridor's frame: x
+/// along its axis, y left, z up. What points beside the directions of free_areas (aside, back, steeply up or down) is
+/// not flown; turning always is. No verdict, or an old one, allows no speed; no command, or an old one, is a stop.
+class Guard {
+ public:
+  explicit Guard(const GuardConfig& config) : config_(config) {}
+
+  void see(const flight_corridor::FreeAreas& areas, const GuardTime& time);
+  void see(const flight_corridor::CorridorState& corridor, const GuardTime& time);
+  /// @param command with a stamp of 0: it counts from now on.
+  void command(const geometry_msgs::TwistStamped& command, const GuardTime& time);
+
+  GuardedCommand limited(const GuardTime& time) const;
+
+ private:
+  /// What came last; its stamp and when it arrived.
+  template <typename Message>
+  struct Latest {
+    Message message;
+    double arrived_s = 0.0;
+    bool has_come = false;
+  };
+  template <typename Message>
+  static void take(const Message& message, const GuardTime& time, Latest<Message>& latest);
+  template <typename Message>
+  static bool isFresh(const Latest<Message>& latest, double max_age_s, const GuardTime& time);
+  double safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const;
+
+  GuardConfig config_;
+  Latest<flight_corridor::FreeAreas> areas_;
+  Latest<flight_corridor::CorridorState> corridor_;
+  Latest<geometry_msgs::TwistStamped> command_;
+};
+
+}  // namespace flight_corridor_ros
