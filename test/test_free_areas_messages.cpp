@@ -70,8 +70,8 @@ TEST_F(FreeAreasMessages, TheSafeSpeedIsThatOfTheLawAtTheMessagesAge) {
 
 TEST_F(FreeAreasMessages, TheGoalIsAUnitVector) {
   Eigen::Vector3d goal_C;
-  tf2::fromMsg(
-      toMessage(header, areas, box.T_M_F.linear(), Eigen::Vector3d(3.0, 0.0, 4.0), SpeedConfig(), 0.0).goal, goal_C);
+  tf2::fromMsg(toMessage(header, areas, box.T_M_F.linear(), Eigen::Vector3d(3.0, 0.0, 4.0), SpeedConfig(), 0.0).goal,
+               goal_C);
   EXPECT_TRUE(goal_C.isApprox(Eigen::Vector3d(0.6, 0.0, 0.8)));
 }
 

@@ -54,9 +54,9 @@ std::set<std::string> fieldsIn(const std::string& header) {
 
 TEST(Params, BindsEveryFieldOfEveryConfigStruct) {
   std::set<std::string> declared = fieldsIn(FLIGHT_CORRIDOR_SOURCE_DIR "/src/ros/params.hpp");
-  for (const char* module : {"stereo/disparity_estimator", "range/beam_footprint", "range/range_fusion",
-                             "range/scale_correction", "config", "map/map_config", "corridor/corridor",
-                             "corridor/free_areas", "corridor/safe_speed"}) {
+  for (const char* module :
+       {"stereo/disparity_estimator", "range/beam_footprint", "range/range_fusion", "range/scale_correction", "config",
+        "map/map_config", "corridor/corridor", "corridor/free_areas", "corridor/safe_speed"}) {
     declared.merge(fieldsIn(std::string(FLIGHT_CORRIDOR_SOURCE_DIR "/include/flight_corridor/") + module + ".hpp"));
   }
   declared.erase("node/core");

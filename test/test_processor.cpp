@@ -278,7 +278,8 @@ TEST_F(ProcessorTest, ALevelCorridorStaysLevelAndAlongTheHeading) {
   inbox.put(boost::make_shared<const sensor_msgs::Imu>(imu));
   show(0.1);
   ASSERT_TRUE(level.products());
-  const Eigen::Matrix3d R_W_F = T_W_B.linear() * T_C_B.linear().transpose() * level.products()->boxInCamera().T_M_F.linear();
+  const Eigen::Matrix3d R_W_F =
+      T_W_B.linear() * T_C_B.linear().transpose() * level.products()->boxInCamera().T_M_F.linear();
   EXPECT_NEAR(R_W_F(2, 0), 0.0, 1e-6) << "level along its axis";
   EXPECT_NEAR(R_W_F(2, 1), 0.0, 1e-6) << "and across";
   EXPECT_GT(R_W_F(2, 2), 0.99);

@@ -124,8 +124,7 @@ TEST(ToObstacleDistance, OfFinerAndCoarserStepsTheNearestObstacleCountsAndAGapIs
 }
 
 TEST(ToObstacleDistance, TheDefaultStepIsOneBin) {
-  const auto message =
-      asMavrosSends(toObstacleDistance(camera(), scanOf(std::vector<double>(17, kInfinity), 0.0873)));
+  const auto message = asMavrosSends(toObstacleDistance(camera(), scanOf(std::vector<double>(17, kInfinity), 0.0873)));
   for (int bin = 0; bin <= 8; ++bin) {
     EXPECT_EQ(message.distances[bin], 401) << bin;
     EXPECT_EQ(message.distances[(72 - bin) % 72], 401) << bin;

@@ -21,8 +21,7 @@ class DirectionPublishers {
   /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: nobody knows where up is.
   using Level = std::function<std::optional<Eigen::Matrix3d>()>;
 
-  DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config,
-                      GoalDirection& goal);
+  DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config, GoalDirection& goal);
 
   /// By the pipeline's last pair.  @param header the left image's.  @param left CV_8UC1.
   void publish(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline,

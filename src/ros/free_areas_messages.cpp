@@ -20,7 +20,7 @@ using visualization_msgs::Marker;
 
 enum MarkerId { kTiles, kBest, kGoal };
 
-constexpr double kUnknownShare = 0.25;     // of the box's length: what is not known ends near the UAV
+constexpr double kUnknownShare = 0.25;  // of the box's length: what is not known ends near the UAV
 constexpr float kTileAlpha = 0.85f, kRayAlpha = 0.12f;
 constexpr double kLongestMarker_s = 60.0;  // ros::Duration holds no infinity
 
@@ -103,8 +103,7 @@ flight_corridor::FreeAreas toMessage(const std_msgs::Header& header, const AreaG
     message.direction.push_back(toVector(R_C_F * turnTo(area).col(0)));
     message.state.push_back(static_cast<std::uint8_t>(area.verdict.state));
     message.clear_distance.push_back(area.verdict.clear_distance_m);
-    message.safe_speed.push_back(
-        flight_corridor::safeSpeed(area.verdict.free_distance_m, latency_s, speed));
+    message.safe_speed.push_back(flight_corridor::safeSpeed(area.verdict.free_distance_m, latency_s, speed));
     message.reasons.push_back(area.verdict.reasons);
   }
   message.goal = toVector(goal_C.value_or(R_C_F.col(0)).normalized());

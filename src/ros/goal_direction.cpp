@@ -33,7 +33,8 @@ std::optional<Eigen::Vector3d> GoalDirection::find(const std_msgs::Header& camer
   if (const auto T_C_G = transforms_.find(camera.frame_id, frame_, camera.stamp)) return T_C_G->linear() * direction_;
   if (frame_warning_.due()) {
     ROS_WARN(
-        "tf gave no pose of \"%s\" (goal_direction) in \"%s\" at %.3f in time: straight ahead is wanted instead. Name a "
+        "tf gave no pose of \"%s\" (goal_direction) in \"%s\" at %.3f in time: straight ahead is wanted instead. Name "
+        "a "
         "frame that tf connects with the camera",
         frame_.c_str(), camera.frame_id.c_str(), camera.stamp.toSec());
   }

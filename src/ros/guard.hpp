@@ -13,11 +13,11 @@ namespace flight_corridor_ros {
 
 /// Parameters of corridor_guard.
 struct GuardConfig {
-  bool stamped = false;              ///< Commands are TwistStamped, in and out; else Twist.
+  bool stamped = false;                ///< Commands are TwistStamped, in and out; else Twist.
   std::string frame_id = "base_link";  ///< Of stamped commands, x along the corridor; others are refused.
-  double rate_hz = 20.0;             ///< At which commands go out, whatever comes in.
-  double max_age_s = 0.5;            ///< An older verdict is none.
-  double command_age_s = 0.5;        ///< An older command is none.
+  double rate_hz = 20.0;               ///< At which commands go out, whatever comes in.
+  double max_age_s = 0.5;              ///< An older verdict is none.
+  double command_age_s = 0.5;          ///< An older command is none.
 };
 
 /// Configuration with these values, defaults elsewhere.

@@ -107,8 +107,7 @@ std::optional<Eigen::Matrix3d> Processor::level() {
 }
 
 /// Readings up to an image.
-void Processor::addReadings(const std_msgs::Header& header,
-                            const std::vector<sensor_msgs::ImuConstPtr>& imu_messages) {
+void Processor::addReadings(const std_msgs::Header& header, const std::vector<sensor_msgs::ImuConstPtr>& imu_messages) {
   for (const auto& imu : imu_messages) {
     const auto acceleration_C = accelerometer_.read(*imu, header.frame_id);
     if (acceleration_C) rig_->addAcceleration(imu->header.stamp.toSec(), *acceleration_C);

@@ -41,8 +41,7 @@ double nearestAround(const LevelScan& scan, double yaw_rad) {
   bool is_known = true;
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double beside_rad = std::abs(scan.first_yaw_rad + static_cast<double>(i) * scan.step_rad - yaw_rad);
-    const double shared_rad =
-        std::min({0.5 * (scan.step_rad + kBin_rad) - beside_rad, kBin_rad, scan.step_rad});
+    const double shared_rad = std::min({0.5 * (scan.step_rad + kBin_rad) - beside_rad, kBin_rad, scan.step_rad});
     if (shared_rad > 0.0) covered_rad += shared_rad;
     if (shared_rad <= kSliver_rad && shared_rad < scan.step_rad) continue;
     is_known = is_known && !std::isnan(scan.range_m[i]);

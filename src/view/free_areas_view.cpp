@@ -13,8 +13,8 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kTileShare = 0.9;         // of a step: a gap is left between tiles
-constexpr double kNumbersFrom_px = 26.0;   // in narrower tiles no number is legible
+constexpr double kTileShare = 0.9;        // of a step: a gap is left between tiles
+constexpr double kNumbersFrom_px = 26.0;  // in narrower tiles no number is legible
 const cv::Scalar kWhite(255, 255, 255), kBlack(0, 0, 0), kGoal(255, 140, 30);
 
 std::string degrees(double angle_rad, const char* positive, const char* negative) {
@@ -80,9 +80,7 @@ void drawFreeAreas(const cv::Mat& left, const StereoGeometry& geometry, const Bo
   cv::addWeighted(painted, kOpacity, out, 1.0 - kOpacity, 0.0, out);
 
   const double tile_px = geometry.calibration().fx_px * step_rad;
-  const auto middle = [&](const std::vector<cv::Point>& tile) {
-    return (tile[0] + tile[1] + tile[2] + tile[3]) / 4;
-  };
+  const auto middle = [&](const std::vector<cv::Point>& tile) { return (tile[0] + tile[1] + tile[2] + tile[3]) / 4; };
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (tiles[i].empty()) continue;
     const Verdict& verdict = areas.areas[i].verdict;
