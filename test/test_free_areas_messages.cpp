@@ -89,7 +89,7 @@ TEST_F(FreeAreasMessages, ARefusalKnowsNothingInAnyDirection) {
   EXPECT_EQ(message.yaw, toMessage(header, areas, box.T_M_F.linear(), std::nullopt, SpeedConfig(), 0.0).yaw);
 }
 
-TEST_F(FreeAreasMessages, ATileIsAsFarAwayAsItsDirectionIsFree) {
+TEST_F(FreeAreasMessages, ATileStandsWhereItsDirectionEndsOrIsBlocked) {
   const auto markers = toMarkers(header, areas, box, kGrid.step_rad, std::nullopt, 0.5).markers;
   ASSERT_EQ(markers.size(), 3u);
   const Marker& tiles = markers[0];
@@ -101,7 +101,8 @@ TEST_F(FreeAreasMessages, ATileIsAsFarAwayAsItsDirectionIsFree) {
   };
   EXPECT_NEAR(reach(kLeftmost), 4.0, 1e-9);
   EXPECT_NEAR(reach(kAhead), 3.0, 1e-9);
-  EXPECT_LT(reach(0), 1.5) << "not known: near";
+  EXPECT_LT(tiles.colors[0].a, tiles.colors[9 * kAhead].a) << "not known: faint, and no ray leads there";
+  EXPECT_EQ(tiles.colors[8].a, 0.0f);
   EXPECT_GT(tiles.colors[9 * kLeftmost].g, tiles.colors[9 * kLeftmost].r);
   EXPECT_GT(tiles.colors[9 * kAhead].r, tiles.colors[9 * kAhead].g);
 }

@@ -20,8 +20,7 @@ using visualization_msgs::Marker;
 
 enum MarkerId { kTiles, kBest, kGoal };
 
-constexpr double kUnknownShare = 0.25;  // of the box's length: what is not known ends near the UAV
-constexpr float kTileAlpha = 0.85f, kRayAlpha = 0.12f;
+constexpr float kTileAlpha = 0.85f, kUnknownAlpha = 0.45f, kRayAlpha = 0.12f;
 constexpr double kLongestMarker_s = 60.0;  // ros::Duration holds no infinity
 
 geometry_msgs::Vector3 toVector(const Eigen::Vector3d& vector) {
@@ -50,18 +49,6 @@ Marker marker(const std_msgs::Header& header, MarkerId id, std::int32_t action) 
   return marker;
 }
 
-double reachOf(const FreeArea& area, double length_m) {
-  switch (area.verdict.state) {
-    case State::Free:
-      return length_m;
-    case State::Blocked:
-      return std::clamp(area.verdict.clear_distance_m, 0.0, length_m);
-    case State::Unknown:
-      break;
-  }
-  return kUnknownShare * length_m;
-}
-
 void addTriangle(Marker& tiles, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                  const std_msgs::ColorRGBA& colour) {
   for (const Eigen::Vector3d* corner : {&a, &b, &c}) {
@@ -70,10 +57,14 @@ void addTriangle(Marker& tiles, const Eigen::Vector3d& a, const Eigen::Vector3d&
   }
 }
 
-/// A direction's tile, and the ray of its width that leads to it.
+/// A direction's tile, and where something is known, the ray of its width that leads to it.
 void addArea(Marker& tiles, const FreeArea& area, const Box& box_C, double step_rad) {
-  const auto corners = tileOf(area, box_C, step_rad, reachOf(area, box_C.size_m.x()));
-  const auto solid = colourOf(area.verdict.state, kTileAlpha), faint = colourOf(area.verdict.state, kRayAlpha);
+  const double length_m = box_C.size_m.x();
+  const bool is_blocked = area.verdict.state == State::Blocked, is_known = area.verdict.state != State::Unknown;
+  const double reach_m = is_blocked ? std::clamp(area.verdict.clear_distance_m, 0.0, length_m) : length_m;
+  const auto corners = tileOf(area, box_C, step_rad, reach_m);
+  const auto solid = colourOf(area.verdict.state, is_known ? kTileAlpha : kUnknownAlpha);
+  const auto faint = colourOf(area.verdict.state, is_known ? kRayAlpha : 0.0f);
   addTriangle(tiles, corners[0], corners[1], corners[2], solid);
   addTriangle(tiles, corners[0], corners[2], corners[3], solid);
   addTriangle(tiles, box_C.T_M_F.translation(), (corners[0] + corners[3]) / 2, (corners[1] + corners[2]) / 2, faint);

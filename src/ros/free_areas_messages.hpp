@@ -23,8 +23,8 @@ flight_corridor::FreeAreas toMessage(const std_msgs::Header& header, const fligh
 flight_corridor::FreeAreas toRefusal(const std_msgs::Header& header, const flight_corridor::FreeAreasConfig& config,
                                      std::uint32_t reasons);
 
-/// For rviz, in C: a tile for each direction, as far away as it is free (green), where it is blocked (red), or near and
-/// amber where that is not known; a white arrow along the best one, a blue one along the goal.
+/// For rviz, in C: a tile for each direction where its box ends (green: free, faint amber: not known), or where what
+/// blocks it begins (red); a white arrow along the best one, a blue one along the goal.
 /// @param box_C the corridor's, with M = C.  @param lifetime_s after which they go from the screen by themselves.
 visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const flight_corridor::AreaGrid& areas,
                                           const flight_corridor::Box& box_C, double step_rad,

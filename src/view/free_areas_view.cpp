@@ -27,11 +27,11 @@ std::string degrees(double angle_rad, const char* positive, const char* negative
 std::string describe(const AreaGrid& areas) {
   if (areas.best < 0) return "no way is free";
   const FreeArea& best = areas.areas[static_cast<std::size_t>(areas.best)];
-  std::string text = "best";
+  std::string text = "best:";
   constexpr double kAhead_rad = 0.5 * M_PI / 180.0;  // rounds to no degree
   const bool turns = std::abs(best.yaw_rad) > kAhead_rad, climbs = std::abs(best.pitch_rad) > kAhead_rad;
   if (turns) text += " " + degrees(best.yaw_rad, "left", "right");
-  if (climbs) text += " " + degrees(best.pitch_rad, "up", "down");
+  if (climbs) text += (turns ? ", " : " ") + degrees(best.pitch_rad, "up", "down");
   return turns || climbs ? text : text + " straight ahead";
 }
 
@@ -85,9 +85,8 @@ void drawFreeAreas(const cv::Mat& left, const StereoGeometry& geometry, const Bo
     if (tiles[i].empty()) continue;
     const Verdict& verdict = areas.areas[i].verdict;
     cv::polylines(out, tiles[i], true, colour(verdict.state), 1, cv::LINE_AA);
-    if (verdict.state != State::Blocked || tile_px < kNumbersFrom_px || !std::isfinite(verdict.clear_distance_m)) {
-      continue;
-    }
+    const bool has_number = static_cast<int>(i) / areas.columns == areas.rows / 2 && tile_px >= kNumbersFrom_px;
+    if (verdict.state != State::Blocked || !has_number || !std::isfinite(verdict.clear_distance_m)) continue;
     std::array<char, 16> metres;
     std::snprintf(metres.data(), metres.size(), "%.1f", verdict.clear_distance_m);
     const double scale = tile_px / 90.0;

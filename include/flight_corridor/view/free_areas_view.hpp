@@ -15,8 +15,8 @@ namespace flight_corridor {
 /// @param box_C the corridor's, with M = C.
 std::vector<Eigen::Vector3d> tileOf(const FreeArea& area, const Box& box_C, double step_rad, double distance_m);
 
-/// The directions on the left image: a tile each where its box ends, green free, red blocked (with the distance [m]),
-/// amber unknown. The best one is ringed in white; a blue diamond is where the UAV is to go.
+/// The directions on the left image: a tile each where its box ends, green free, red blocked (the middle row says how
+/// far away [m]), amber unknown. The best one is ringed in white; a blue diamond is where the UAV is to go.
 /// @param left  CV_8UC1 or CV_8UC3 (BGR).   @param box_C  the corridor's, with M = C.
 /// @param goal_C  wanted direction, of any length; absent: straight ahead, which needs no mark.
 /// @param out   CV_8UC3 (BGR), refilled, same size.
