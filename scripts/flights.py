@@ -77,11 +77,11 @@ class Flight:
         return self.bag
 
 
-def fly_all(flights, judges, jobs, keep_bags):
-    """Flies in parallel and prints how it goes.  @return the flights that failed."""
+def fly_all(flights, judges_of, jobs, keep_bags):
+    """Flies in parallel, each for the judges of that flight, and prints how it goes.  @return the flights that failed."""
     failed, start = [], time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        futures = {pool.submit(flight.fly, judges, keep_bags): flight for flight in flights}
+        futures = {pool.submit(flight.fly, judges_of(flight), keep_bags): flight for flight in flights}
         try:
             for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
                 flight, outcome = futures[future], ""

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sim/flight.hpp"
 
 namespace flight_corridor::sim {
@@ -60,6 +62,83 @@ TEST(Flight, ASidestepMovesItsLineAndNothingElse) {
   for (double time_s = 0.0; time_s < 7.0; time_s += 0.01) {
     // At most twice the mean speed.
     EXPECT_LE((shift(time_s + 0.01) - shift(time_s)).norm(), 0.01 * 2.0 * 1.4 / 1.5 + 1e-9) << time_s;
+  }
+}
+
+Flight weavingFlight() {
+  Flight flight = steadyFlight();
+  flight.speed_m_s = 2.0;
+  flight.turns = {turnAt(1.0, 0.7, 1.05), turnAt(2.4, -1.4, 1.05)};
+  flight.sidesteps = {{1.5, 2.0, 0.0, 0.8}};
+  return flight;
+}
+
+/// Of the body's x axis.
+double headingOf(const Eigen::Isometry3d& T_W_B) { return std::atan2(T_W_B(1, 0), T_W_B(0, 0)); }
+
+TEST(Flight, TurnsByTheAngleAtNoMoreThanTheRate) {
+  const Flight flight = weavingFlight();
+  EXPECT_NEAR(headingOf(flight.T_W_B(0.9)), 0.0, 1e-9);
+  EXPECT_NEAR(headingOf(flight.T_W_B(2.4)), 0.7, 1e-9);
+  EXPECT_NEAR(headingOf(flight.T_W_B(5.5)), -0.7, 1e-9);
+  double fastest_rad_s = 0.0;
+  for (double time_s = 0.0; time_s < flight.duration_s; time_s += 0.01) {
+    const double turned_rad = headingOf(flight.T_W_B(time_s).inverse() * flight.T_W_B(time_s + 0.01));
+    fastest_rad_s = std::max(fastest_rad_s, std::abs(turned_rad) / 0.01);
+  }
+  EXPECT_NEAR(fastest_rad_s, 1.05, 1e-3);
+}
+
+TEST(Flight, FollowsItsHeading) {
+  const Flight flight = weavingFlight();
+  for (double time_s = 1.0; time_s < 6.0; time_s += 0.05) {
+    constexpr double kStep_s = 1e-3;
+    const Eigen::Vector3d moved_W =
+        flight.T_W_B(time_s + kStep_s).translation() - flight.T_W_B(time_s - kStep_s).translation();
+    EXPECT_NEAR(moved_W.head<2>().norm() / (2.0 * kStep_s), 2.0, 1e-3) << time_s;
+    // The heading moves by 1.05 rad/s * 1 ms at most.
+    EXPECT_NEAR(std::atan2(moved_W.y(), moved_W.x()), headingOf(flight.T_W_B(time_s)), 2e-3) << time_s;
+  }
+}
+
+TEST(Flight, ATurnOnTheSpotStaysThere) {
+  Flight flight = steadyFlight();
+  flight.speed_m_s = 0.0;
+  flight.turns = {turnAt(1.0, -2.0, 1.2)};
+  EXPECT_TRUE(flight.T_W_B(6.0).translation().isApprox(flight.start_W));
+  EXPECT_NEAR(headingOf(flight.T_W_B(6.0)), -2.0, 1e-9);
+}
+
+TEST(Flight, ASidestepUpClimbs) {
+  const Flight flight = weavingFlight();
+  EXPECT_NEAR(flight.T_W_B(1.5).translation().z(), 1.5, 1e-9);
+  EXPECT_NEAR(flight.T_W_B(3.5).translation().z(), 2.3, 1e-9);
+}
+
+TEST(Flight, TiltsTowardsWhereItAccelerates) {
+  Flight flight = weavingFlight();
+  flight.sidesteps.clear();
+  flight.tilts = true;
+  double steepest_rad = 0.0;
+  for (double time_s = 0.2; time_s < flight.duration_s - 0.2; time_s += 0.05) {
+    constexpr double kStep_s = 0.01;
+    const auto p_W = [&](double at_s) -> Eigen::Vector3d { return flight.T_W_B(at_s).translation(); };
+    const Eigen::Vector3d acceleration_W =
+        (p_W(time_s - kStep_s) - 2.0 * p_W(time_s) + p_W(time_s + kStep_s)) / (kStep_s * kStep_s);
+    const Eigen::Vector3d up_W = flight.T_W_B(time_s).linear().col(2);
+    EXPECT_TRUE(up_W.isApprox((acceleration_W + Eigen::Vector3d(0.0, 0.0, 9.80665)).normalized(), 1e-3)) << time_s;
+    if (2.4 < time_s && time_s < 5.0) steepest_rad = std::max(steepest_rad, std::acos(up_W.z()));
+  }
+  EXPECT_NEAR(steepest_rad, std::atan(2.0 * 1.05 / 9.80665), 0.01);  // v times the yaw rate, inwards
+}
+
+TEST(Flight, StaysSmoothThroughItsTurns) {
+  Flight flight = weavingFlight();
+  flight.tilts = true;
+  for (double time_s = 0.0; time_s < flight.duration_s; time_s += 0.005) {
+    const Eigen::Isometry3d step = flight.T_W_B(time_s).inverse() * flight.T_W_B(time_s + 0.005);
+    EXPECT_LT(step.translation().norm(), 0.005 * 2.3) << time_s;
+    EXPECT_LT(Eigen::AngleAxisd(step.linear()).angle(), 0.005 * 2.5) << time_s;
   }
 }
 

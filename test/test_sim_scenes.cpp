@@ -141,9 +141,60 @@ TEST(Scenes, SpeedsReachFromHoveringToFourMetresPerSecond) {
   EXPECT_LE(fastest_m_s, 4.0);
 }
 
+TEST(Scenes, TurningFlightsTurnAtSixtyDegreesASecondAndMore) {
+  for (const char* scene : {"turning", "weaving"}) {
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+      const Flight flight = makeScene(scene, seed).flight;
+      double fastest_rad_s = 0.0;
+      for (double time_s = 0.0; time_s < flight.duration_s; time_s += 0.01) {
+        const Eigen::Matrix3d turned = flight.T_W_B(time_s).linear().transpose() * flight.T_W_B(time_s + 0.01).linear();
+        fastest_rad_s = std::max(fastest_rad_s, Eigen::AngleAxisd(turned).angle() / 0.01);
+      }
+      EXPECT_GT(fastest_rad_s, 1.04) << scene << " seed " << seed;
+      EXPECT_LT(fastest_rad_s, 2.5) << scene << " seed " << seed;
+    }
+  }
+}
+
+TEST(Scenes, TheBeamOfATurnedFlightPassesBetweenThePickets) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Simulation simulation = flightOf("turning", seed);
+    const CorridorTruth last = simulation.truth(simulation.frameTimes().size() - 1);
+    EXPECT_NEAR(last.clear_exact_m, 2.5, 0.1) << seed;
+    EXPECT_GT(simulation.ranges().back().range_m, 7.0) << seed;
+  }
+}
+
+TEST(Scenes, AWeavingFlightTouchesNothing) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = makeScene("weaving", seed);
+    for (double time_s = 0.0; time_s < scene.flight.duration_s; time_s += 0.1) {
+      const Eigen::Isometry3d T_W_B = scene.flight.T_W_B(time_s);
+      for (const Primitive& primitive : scene.world) {
+        EXPECT_FALSE(overlaps(T_W_B * Eigen::Translation3d(-0.3, 0.0, 0.0), {0.6, 0.6, 0.2}, primitive))
+            << seed << " at " << time_s;
+      }
+    }
+  }
+}
+
+TEST(Scenes, ABankingFlightRollsByThirtyAndPitchesByTwentyFiveDegrees) {
+  const Flight flight = makeScene("banking", 0).flight;
+  double roll_rad = 0.0, pitch_rad = 0.0;
+  for (double time_s = 0.0; time_s < flight.duration_s; time_s += 0.01) {
+    const Eigen::Matrix3d R_W_B = flight.T_W_B(time_s).linear();
+    roll_rad = std::max(roll_rad, std::abs(std::atan2(R_W_B(2, 1), R_W_B(2, 2))));
+    pitch_rad = std::max(pitch_rad, std::abs(std::asin(R_W_B(2, 0))));
+  }
+  EXPECT_GT(roll_rad, 0.4);
+  EXPECT_LE(roll_rad, 0.525);  // 30 degrees
+  EXPECT_GT(pitch_rad, 0.35);
+  EXPECT_LE(pitch_rad, 0.44);  // 25 degrees
+}
+
 TEST(Scenes, TheForestIsToBeLookedAtAndIsNoFamily) {
   EXPECT_EQ(shownSceneNames(), std::vector<std::string>{"forest_gate"});
-  EXPECT_EQ(sceneNames().size(), 52u);
+  EXPECT_EQ(sceneNames().size(), 54u);
   for (const std::string& name : sceneNames()) EXPECT_NE(name, "forest_gate");
   EXPECT_EQ(flightOf("forest_gate", 1).frame(0).left.size(), cv::Size(640, 480));
 }

@@ -7,7 +7,7 @@ namespace flight_corridor::sim {
 
 /// What a stream of random numbers is for: streams of one seed are independent, so that drawing more from one leaves
 /// the others as they are.
-enum class Stream : std::uint64_t { Scene, LidarNoise, LidarFault, LeftImage, RightImage, ImuNoise };
+enum class Stream : std::uint64_t { Scene, LidarNoise, LidarFault, LeftImage, RightImage, ImuNoise, AttitudeNoise };
 
 /// Seed of a stream, or of the index-th piece of it.
 inline std::uint64_t streamSeed(std::uint64_t seed, Stream stream, std::uint64_t index = 0) {

@@ -22,6 +22,7 @@ std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera'
 std::vector<SceneBuilder> rigBuilders();        ///< Calibrations that are wrong.
 std::vector<SceneBuilder> changeBuilders();     ///< What moves, appears and vanishes.
 std::vector<SceneBuilder> placeBuilders();      ///< Forests and houses.
+std::vector<SceneBuilder> turnBuilders();       ///< Flights that turn.
 std::vector<SceneBuilder> shownBuilders();      ///< To be looked at, not scored.
 
 }  // namespace flight_corridor::sim

@@ -14,7 +14,7 @@ const std::map<std::string, SceneBuilder>& builders() {
   static const std::map<std::string, SceneBuilder> kBuilders = [] {
     std::map<std::string, SceneBuilder> by_name;
     for (const auto& kind : {structureBuilders(), thinBuilders(), surfaceBuilders(), bareBuilders(), seeingBuilders(),
-                             rigBuilders(), changeBuilders(), placeBuilders()}) {
+                             rigBuilders(), changeBuilders(), placeBuilders(), turnBuilders()}) {
       for (const SceneBuilder& builder : kind) by_name.emplace(builder.name, builder);
     }
     return by_name;

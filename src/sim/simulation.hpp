@@ -32,6 +32,8 @@ struct SimulationOptions {
 struct ImuReading {
   double stamp_s = 0.0;
   Eigen::Vector3d specific_force_B_mps2 = Eigen::Vector3d::Zero();  ///< Acceleration less gravity's.
+  Eigen::Vector3d angular_velocity_B_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond R_W_B = Eigen::Quaterniond::Identity();  ///< Attitude.
 };
 
 /// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed when asked for.

@@ -93,7 +93,8 @@ int simulate(const CommandLine& options) {
   const std::vector<RangeReading> ranges = simulation.ranges();
   for (const RangeReading& reading : ranges) bag.writeRange(ros::Time(reading.stamp_s), reading);
   for (const sim::ImuReading& reading : simulation.imuReadings()) {
-    bag.writeImu(ros::Time(reading.stamp_s), reading.specific_force_B_mps2);
+    bag.writeImu(ros::Time(reading.stamp_s), reading.specific_force_B_mps2,
+                 Attitude{reading.R_W_B, reading.angular_velocity_B_rad_s});
   }
   writeFrames(simulation, bag);
   bag.close();

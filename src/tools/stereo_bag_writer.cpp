@@ -81,11 +81,17 @@ void StereoBagWriter::writeRange(const ros::Time& stamp, const RangeReading& rea
   bag_.write(topics_.range, stamp, message);
 }
 
-void StereoBagWriter::writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2) {
+void StereoBagWriter::writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2,
+                               const std::optional<Attitude>& attitude) {
   sensor_msgs::Imu message;
   message.header.stamp = stamp;
   message.header.frame_id = kBodyFrame;
-  message.orientation_covariance[0] = message.angular_velocity_covariance[0] = -1.0;  // the message's way to say "none"
+  if (attitude) {
+    message.orientation = tf2::toMsg(attitude->R_W_B);
+    tf2::toMsg(attitude->angular_velocity_B_rad_s, message.angular_velocity);
+  } else {  // the message's way to say "none"
+    message.orientation_covariance[0] = message.angular_velocity_covariance[0] = -1.0;
+  }
   tf2::toMsg(specific_force_B_mps2, message.linear_acceleration);
   bag_.write(topics_.imu, stamp, message);
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -21,6 +22,12 @@ struct BagRig {
   Eigen::Isometry3d T_B_L = Eigen::Isometry3d::Identity();
 };
 
+/// What an imu in base_link knows besides its specific force.
+struct Attitude {
+  Eigen::Quaterniond R_W_B = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d angular_velocity_B_rad_s = Eigen::Vector3d::Zero();
+};
+
 /// Writes a flight as a bag: messages are recorded at their own stamps, images 1 ms later, so that readings and poses
 /// of the same stamp come before them. Write in any order, close() last.
 class StereoBagWriter {
@@ -32,9 +39,10 @@ class StereoBagWriter {
   /// @param left, right CV_8UC1 or CV_8UC3 (BGR).
   void writePair(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right);
   void writeRange(const ros::Time& stamp, const RangeReading& reading);
-  /// Orientation and angular velocity are left out.
   /// @param specific_force_B_mps2 acceleration less gravity's, in base_link: (0, 0, 9.8) at rest.
-  void writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2);
+  /// @param attitude absent: the message says that it holds none.
+  void writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2,
+                const std::optional<Attitude>& attitude = std::nullopt);
   void close() { bag_.finish(); }
 
  private:
