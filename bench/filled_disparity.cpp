@@ -1,10 +1,8 @@
 #include "filled_disparity.hpp"
 
-#include "stock_octomap.hpp"
-
 namespace flight_corridor::bench {
 
-FilledDisparity::FilledDisparity() : matcher_(cv::StereoSGBM::create(0, kDisparities_px, 3)) {
+FilledDisparity::FilledDisparity(int disparities_px) : matcher_(cv::StereoSGBM::create(0, disparities_px, 3)) {
   matcher_->setP1(24 * 3 * 3);
   matcher_->setP2(96 * 3 * 3);
   matcher_->setPreFilterCap(63);
@@ -21,6 +19,14 @@ void FilledDisparity::compute(const cv::Mat& left, const cv::Mat& right, const S
   right_matcher_->compute(right, left, right_fixed_);
   filter_->filter(left_fixed_, left, filled_fixed_, right_fixed_);
   toPixels(filled_fixed_, geometry, disparity_px);
+}
+
+FusionConfig paperFusion() {
+  FusionConfig config;
+  config.stereo_variance_m2 = 0.0254800198;
+  config.lidar_variance_m2 = 0.0005798584;
+  config.gate_sigma = kInfinity;
+  return config;
 }
 
 }  // namespace flight_corridor::bench

@@ -19,7 +19,10 @@ void toPixels(const cv::Mat& fixed, const StereoGeometry& geometry, cv::Mat& dis
 /// range, and its cloud by insertPointCloud into an empty OctoMap of 0.10 m, out to 8 m.
 class StockOctomap {
  public:
-  explicit StockOctomap(const StereoGeometry& geometry) : geometry_(geometry) {}
+  explicit StockOctomap(const StereoGeometry& geometry, int disparities_px = kDisparities_px)
+      : geometry_(geometry),
+        matcher_(
+            cv::StereoSGBM::create(0, disparities_px, 15, 200, 400, 0, 31, 15, 100, 4, cv::StereoSGBM::MODE_SGBM)) {}
 
   /// Builds cloud and map of one pair.  @param left, right CV_8UC1.
   void insert(const cv::Mat& left, const cv::Mat& right);
@@ -36,8 +39,7 @@ class StockOctomap {
   static constexpr double kResolution_m = 0.10, kMaxRange_m = 8.0;
 
   StereoGeometry geometry_;
-  cv::Ptr<cv::StereoSGBM> matcher_ =
-      cv::StereoSGBM::create(0, kDisparities_px, 15, 200, 400, 0, 31, 15, 100, 4, cv::StereoSGBM::MODE_SGBM);
+  cv::Ptr<cv::StereoSGBM> matcher_;
   cv::Mat fixed_, disparity_px_;
   octomap::Pointcloud cloud_;
   octomap::OcTree tree_{kResolution_m};

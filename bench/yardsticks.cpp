@@ -61,14 +61,6 @@ double depthOf(float disparity_px, const StereoGeometry& geometry) {
   return disparity_px > 0.0F ? geometry.depth(disparity_px) : kInfinity;
 }
 
-FusionConfig paperFusion() {
-  FusionConfig config;
-  config.stereo_variance_m2 = 0.0254800198;
-  config.lidar_variance_m2 = 0.0005798584;
-  config.gate_sigma = kInfinity;
-  return config;
-}
-
 ResultRow row(const ros::Time& stamp, State state, double clear_distance_m, double total_ms) {
   ResultRow row;
   row.stamp = stamp;
@@ -147,7 +139,7 @@ class Yardsticks {
     }
   }
 
-  inline static const FusionConfig kFusion = paperFusion();
+  inline static const FusionConfig kFusion = bench::paperFusion();
   StereoGeometry geometry_;
   cv::Rect window_;
   Box box_ = corridorBox(kCorridor, opticalFromForward());

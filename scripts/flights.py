@@ -11,6 +11,12 @@ from tools import ROOT, ToolError, digest, run_tool, tool_digest
 CACHE = ROOT / "output" / "cache"
 
 
+def seed_range(text):
+    """A-B, or one number."""
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
 class Replay:
     """Our pipeline with a configuration: writes result.csv."""
 

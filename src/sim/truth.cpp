@@ -93,26 +93,55 @@ class Simplex {
   std::vector<double> weights_;
 };
 
+/// The Minkowski difference {p_box - p_primitive}, in B, the box's middle.
+class Difference {
+ public:
+  Difference(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive)
+      : half_m_(size_m / 2.0),
+        primitive_(primitive),
+        T_B_O_((T_W_F * Eigen::Translation3d(half_m_.x(), 0.0, 0.0)).inverse() * primitive.T_W_O) {}
+
+  Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const {
+    return cornerTowards(direction, half_m_) - T_B_O_ * support(primitive_, -(T_B_O_.linear().transpose() * direction));
+  }
+
+  /// Its point nearest to the origin, as far as that is needed.
+  /// @param suffices whether, with the nearest point so far and the farthest towards the origin, enough is known.
+  template <typename Suffices>
+  Eigen::Vector3d nearest(const Suffices& suffices) const {
+    Simplex simplex;
+    simplex.add(farthest(T_B_O_.translation()));
+    for (int i = 0; i < kMaxIterations && simplex.nearest().norm() >= kTouching_m; ++i) {
+      const Eigen::Vector3d next = farthest(-simplex.nearest());
+      if (suffices(simplex.nearest(), next)) break;
+      simplex.add(next);
+    }
+    return simplex.nearest();
+  }
+
+ private:
+  Eigen::Vector3d half_m_;
+  const Primitive& primitive_;
+  Eigen::Isometry3d T_B_O_;
+};
+
 }  // namespace
 
 bool overlaps(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive) {
-  const Eigen::Isometry3d T_W_B = T_W_F * Eigen::Translation3d(size_m.x() / 2.0, 0.0, 0.0);
-  const Eigen::Isometry3d T_B_O = T_W_B.inverse() * primitive.T_W_O;
-  // Farthest point of {p_box - p_primitive} in a direction of B, the box's middle.
-  const auto farthest = [&](const Eigen::Vector3d& direction) -> Eigen::Vector3d {
-    return cornerTowards(direction, size_m / 2.0) -
-           T_B_O * support(primitive, -(T_B_O.linear().transpose() * direction));
+  bool plane_between = false;
+  Difference(T_W_F, size_m, primitive).nearest([&](const Eigen::Vector3d& nearest, const Eigen::Vector3d& next) {
+    return plane_between = nearest.dot(next) > 0.0;
+  });
+  return !plane_between;
+}
+
+/// The plane across the nearest point through the farthest towards the origin is a lower bound.
+double gapBetween(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive) {
+  constexpr double kExact_m = 1e-3;
+  const auto is_exact = [](const Eigen::Vector3d& nearest, const Eigen::Vector3d& next) {
+    return nearest.norm() - nearest.normalized().dot(next) < kExact_m;
   };
-  Simplex simplex;
-  simplex.add(farthest(T_B_O.translation()));
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const Eigen::Vector3d nearest = simplex.nearest();
-    if (nearest.norm() < kTouching_m) return true;
-    const Eigen::Vector3d next = farthest(-nearest);
-    if (nearest.dot(next) > 0.0) return false;  // a plane stands between
-    simplex.add(next);
-  }
-  return true;
+  return Difference(T_W_F, size_m, primitive).nearest(is_exact).norm();
 }
 
 double clearDistance(const std::vector<Primitive>& primitives, const Eigen::Isometry3d& T_W_F,

@@ -21,6 +21,9 @@ struct CorridorTruth {
 /// @param size_m length along x, width along y, height along z.
 bool overlaps(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive);
 
+/// How far a box and a primitive are apart [m]; 0: they overlap. Exact to 1e-3 m.
+double gapBetween(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive);
+
 /// Distance along x of F to where a box that grows from F first meets a primitive; +inf when it never does [m].
 double clearDistance(const std::vector<Primitive>& primitives, const Eigen::Isometry3d& T_W_F,
                      const Eigen::Vector3d& size_m);
