@@ -303,9 +303,11 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
 
 const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C) {
   const FreeAreasConfig& config = config_.free_areas;
-  const std::vector<double> yaws_rad = gridAngles(config.yaw_rad, config.step_rad);
-  const std::vector<double> pitches_rad = gridAngles(config.pitch_rad, config.step_rad);
-  free_areas_ = areaGrid(yaws_rad, pitches_rad, judge({boxInCamera(), yaws_rad, pitches_rad}));
+  const Fan fan_C(boxInCamera(), gridAngles(config.yaw_rad, config.step_rad),
+                  gridAngles(config.pitch_rad, config.step_rad));
+  const std::vector<Verdict> verdicts = judge(fan_C);
+  free_areas_ = areaGrid(config);
+  for (std::size_t i = 0; i < verdicts.size(); ++i) free_areas_.areas[i].verdict = verdicts[i];
   const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
   free_areas_.best =
       bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C), config.step_rad);

@@ -7,15 +7,15 @@
 namespace flight_corridor {
 namespace {
 
-const std::vector<double> kYaws{-0.2, -0.1, 0.0, 0.1, 0.2}, kPitches{-0.1, 0.0, 0.1};
+const FreeAreasConfig kConfig{0.2, 0.1, 0.1};
 constexpr double kStep_rad = 0.1;
 const Eigen::Vector3d kAhead = Eigen::Vector3d::UnitX();
 
 /// FREE where a mark says so; the lowest row first.
 AreaGrid marked(const char (&marks)[16]) {
-  std::vector<Verdict> verdicts(15);
-  for (int i = 0; i < 15; ++i) verdicts[i].state = marks[i] == '+' ? State::Free : State::Blocked;
-  return areaGrid(kYaws, kPitches, verdicts);
+  AreaGrid grid = areaGrid(kConfig);
+  for (int i = 0; i < 15; ++i) grid.areas[i].verdict.state = marks[i] == '+' ? State::Free : State::Blocked;
+  return grid;
 }
 
 TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {

@@ -11,7 +11,7 @@ using test_support::kVgaGeometry;
 
 class FreeAreasView : public testing::Test {
  protected:
-  FreeAreasView() : areas(directions(config)) {
+  FreeAreasView() : areas(areaGrid(config)) {
     box.T_M_F = opticalFromForward();
     box.size_m = {4.0, 1.2, 0.4};
   }

@@ -20,13 +20,14 @@ std::vector<double> gridAngles(double limit_rad, double step_rad) {
   return angles_rad;
 }
 
-AreaGrid areaGrid(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
-                    const std::vector<Verdict>& verdicts) {
+AreaGrid areaGrid(const FreeAreasConfig& config) {
+  const std::vector<double> yaws_rad = gridAngles(config.yaw_rad, config.step_rad);
+  const std::vector<double> pitches_rad = gridAngles(config.pitch_rad, config.step_rad);
   AreaGrid grid;
   grid.columns = static_cast<int>(yaws_rad.size());
   grid.rows = static_cast<int>(pitches_rad.size());
   for (const double pitch_rad : pitches_rad) {
-    for (const double yaw_rad : yaws_rad) grid.areas.push_back({yaw_rad, pitch_rad, verdicts[grid.areas.size()]});
+    for (const double yaw_rad : yaws_rad) grid.areas.push_back({yaw_rad, pitch_rad, {}});
   }
   return grid;
 }

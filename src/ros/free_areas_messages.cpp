@@ -91,7 +91,7 @@ flight_corridor::FreeAreas toMessage(const std_msgs::Header& header, const AreaG
   for (const FreeArea& area : areas.areas) {
     message.yaw.push_back(area.yaw_rad);
     message.pitch.push_back(area.pitch_rad);
-    message.direction.push_back(toVector(R_C_F * turnTo(area).col(0)));
+    message.direction.push_back(toVector(R_C_F * ahead(area)));
     message.state.push_back(static_cast<std::uint8_t>(area.verdict.state));
     message.clear_distance.push_back(area.verdict.clear_distance_m);
     message.safe_speed.push_back(flight_corridor::safeSpeed(area.verdict.free_distance_m, latency_s, speed));
@@ -104,7 +104,7 @@ flight_corridor::FreeAreas toMessage(const std_msgs::Header& header, const AreaG
 
 flight_corridor::FreeAreas toRefusal(const std_msgs::Header& header, const flight_corridor::FreeAreasConfig& config,
                                      std::uint32_t reasons) {
-  AreaGrid areas = directions(config);
+  AreaGrid areas = areaGrid(config);
   for (FreeArea& area : areas.areas) area.verdict.reasons = reasons;
   const Eigen::Matrix3d nowhere = Eigen::Matrix3d::Constant(flight_corridor::kNaN);
   return toMessage(header, areas, nowhere, std::nullopt, {}, 0.0);
@@ -126,7 +126,7 @@ visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const 
   Marker best = marker(header, kBest, areas.best < 0 ? Marker::DELETE : Marker::ADD);
   if (areas.best >= 0) {
     const FreeArea& area = areas.areas[static_cast<std::size_t>(areas.best)];
-    best = arrow(best, from_C, from_C + length_m * box_C.T_M_F.linear() * turnTo(area).col(0), 0.06);
+    best = arrow(best, from_C, from_C + length_m * box_C.T_M_F.linear() * ahead(area), 0.06);
     best.color.r = best.color.g = best.color.b = best.color.a = 1.0f;
   }
   array.markers.push_back(best);

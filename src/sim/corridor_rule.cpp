@@ -36,7 +36,7 @@ Way CorridorRule::judge(const Observation& observation) {
   Way way;
   if (areas_->best >= 0) {
     const FreeArea& best = areas_->areas[static_cast<std::size_t>(areas_->best)];
-    way.direction_W = T_W_F_.linear() * turnTo(best).col(0);
+    way.direction_W = T_W_F_.linear() * ahead(best);
     way.free_m = best.verdict.free_distance_m;
   }
   way.free_ahead_m = freeAlong(observation.own.velocity_W_mps);
@@ -49,7 +49,7 @@ double CorridorRule::freeAlong(const Eigen::Vector3d& direction_W) const {
   const Eigen::Vector3d direction_F = (T_W_F_.linear().transpose() * direction_W).normalized();
   double nearest_rad = pipeline_.config().free_areas.step_rad, free_m = 0.0;
   for (const FreeArea& area : areas_->areas) {
-    const double away_rad = std::acos(std::clamp(direction_F.dot(turnTo(area).col(0)), -1.0, 1.0));
+    const double away_rad = std::acos(std::clamp(direction_F.dot(ahead(area)), -1.0, 1.0));
     if (away_rad >= nearest_rad) continue;
     nearest_rad = away_rad;
     free_m = area.verdict.free_distance_m;

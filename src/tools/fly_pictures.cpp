@@ -90,7 +90,7 @@ void FlyPictures::drawCamera(const sim::Observation& observation, const sim::Way
   };
   if (areas) {
     for (const FreeArea& area : areas->areas) {
-      cv::circle(camera_, spot(T_W_F.linear() * turnTo(area).col(0)), 7, colour(area.verdict.state), cv::FILLED,
+      cv::circle(camera_, spot(T_W_F.linear() * ahead(area)), 7, colour(area.verdict.state), cv::FILLED,
                  cv::LINE_AA);
     }
   }

@@ -51,7 +51,7 @@ void diamond(cv::Mat& image, cv::Point at, int radius_px) {
 
 /// Where a direction's box ends.
 Eigen::Vector3d endOf(const FreeArea& area, const Box& box_C) {
-  return box_C.T_M_F * (turnTo(area) * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0));
+  return box_C.T_M_F * (box_C.size_m.x() * ahead(area));
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ std::vector<Eigen::Vector3d> tileOf(const FreeArea& area, const Box& box_C, doub
   std::vector<Eigen::Vector3d> corners;
   for (const auto& [left, up] : {std::pair(1, 1), std::pair(-1, 1), std::pair(-1, -1), std::pair(1, -1)}) {
     const FreeArea corner{area.yaw_rad + left * half_rad, area.pitch_rad + up * half_rad, {}};
-    corners.emplace_back(box_C.T_M_F * (turnTo(corner) * Eigen::Vector3d(distance_m, 0.0, 0.0)));
+    corners.emplace_back(box_C.T_M_F * (distance_m * ahead(corner)));
   }
   return corners;
 }

@@ -42,9 +42,8 @@ struct LevelScan {
 /// The angles of a grid's columns, or rows: from -limit to limit, 0 among them.
 std::vector<double> gridAngles(double limit_rad, double step_rad);
 
-/// @param verdicts of a fan's directions.
-AreaGrid areaGrid(const std::vector<double>& yaws_rad, const std::vector<double>& pitches_rad,
-                    const std::vector<Verdict>& verdicts);
+/// The directions, not judged yet.
+AreaGrid areaGrid(const FreeAreasConfig& config);
 
 /// Unit vector of a direction in the corridor's frame.
 Eigen::Vector3d ahead(const FreeArea& area);
