@@ -28,8 +28,7 @@ class FreeAreasView : public testing::Test {
   /// Colour a little beside a tile's middle, where the mark of the best would be.
   cv::Vec3b colourAt(double left_rad, double up_rad) const {
     const Eigen::Vector2d pixel = kVgaGeometry.project(
-        box.T_M_F * (turnTo({left_rad + 0.3 * config.step_rad, up_rad + 0.3 * config.step_rad, {}}) *
-                     Eigen::Vector3d(4.0, 0.0, 0.0)));
+        box.T_M_F * (4.0 * ahead({left_rad + 0.3 * config.step_rad, up_rad + 0.3 * config.step_rad, {}})));
     return draw().at<cv::Vec3b>(cvRound(pixel.y()), cvRound(pixel.x()));
   }
 
