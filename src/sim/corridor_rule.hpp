@@ -15,7 +15,7 @@ class CorridorRule {
 
   Pipeline& pipeline() { return pipeline_; }
   /// Of the last pair.
-  const FreeAreas& areas() const { return *areas_; }
+  const AreaGrid& areas() const { return *areas_; }
   /// T_W_F of the frame that the areas' directions are of: level, at the camera.
   const Eigen::Isometry3d& T_W_F() const { return T_W_F_; }
 
@@ -24,7 +24,7 @@ class CorridorRule {
 
   Eigen::Isometry3d T_B_C_;
   Pipeline pipeline_;
-  const FreeAreas* areas_ = nullptr;
+  const AreaGrid* areas_ = nullptr;
   Eigen::Isometry3d T_W_F_ = Eigen::Isometry3d::Identity();
 };
 

@@ -54,7 +54,7 @@ FlyPictures::FlyPictures(const sim::ClosedLoop& loop, const std::string& title, 
       video_path_(video),
       rate_hz_(rate_hz) {}
 
-void FlyPictures::add(const sim::Observation& observation, const sim::Way& way, const FreeAreas* areas,
+void FlyPictures::add(const sim::Observation& observation, const sim::Way& way, const AreaGrid* areas,
                       const Eigen::Isometry3d& T_W_F) {
   trail_W_.push_back(observation.own.T_W_B.translation());
   drawCamera(observation, way, areas, T_W_F);
@@ -76,7 +76,7 @@ void FlyPictures::write(const std::string& path, const std::string& caption) {
 }
 
 /// Each direction as a spot 4 m ahead in its state's colour, the best one ringed.
-void FlyPictures::drawCamera(const sim::Observation& observation, const sim::Way& way, const FreeAreas* areas,
+void FlyPictures::drawCamera(const sim::Observation& observation, const sim::Way& way, const AreaGrid* areas,
                              const Eigen::Isometry3d& T_W_F) {
   constexpr double kAhead_m = 4.0;
   const cv::Mat& left = observation.pair.left;

@@ -20,14 +20,14 @@ class FlyPictures {
 
   /// @param areas null: a rule that has none.  @param T_W_F of the areas' directions.
   /// @throws std::runtime_error naming the video when it cannot be written.
-  void add(const sim::Observation& observation, const sim::Way& way, const FreeAreas* areas,
+  void add(const sim::Observation& observation, const sim::Way& way, const AreaGrid* areas,
            const Eigen::Isometry3d& T_W_F);
 
   /// The last picture, with a line of what came of it.  @throws std::runtime_error naming the file.
   void write(const std::string& path, const std::string& caption);
 
  private:
-  void drawCamera(const sim::Observation& observation, const sim::Way& way, const FreeAreas* areas,
+  void drawCamera(const sim::Observation& observation, const sim::Way& way, const AreaGrid* areas,
                   const Eigen::Isometry3d& T_W_F);
   void drawFromAbove(const sim::Observation& observation, const sim::Way& way);
   cv::Point pixelAbove(const Eigen::Vector3d& p_W) const;
