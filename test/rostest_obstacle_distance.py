@@ -26,7 +26,7 @@ class ObstacleDistance(unittest.TestCase):
         rospy.init_node("rostest_obstacle_distance")
         cls.rig = WallRig()
         cls.received = []
-        rospy.Subscriber("/flight_corridor/obstacle_distance", LaserScan, cls.received.append, queue_size=5)
+        rospy.Subscriber("/mavros/obstacle/send", LaserScan, cls.received.append, queue_size=5)
 
     def until(self, holds):
         del self.received[:]

@@ -7,11 +7,14 @@
 
 #include "bytes.hpp"
 #include "flight_corridor/view/fill.hpp"
+#include "flight_corridor/view/free_areas_view.hpp"
 #include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
 #include "ros/costmap_clouds.hpp"
+#include "ros/free_areas_messages.hpp"
 #include "ros/map_conversions.hpp"
 #include "ros/processor.hpp"
+#include "ros/scans.hpp"
 
 namespace flight_corridor_ros {
 namespace {
@@ -105,11 +108,33 @@ sensor_msgs::Imu imu(Bytes& bytes, const ros::Time& now) {
   imu.linear_acceleration.y = bytes.number(-20.0, 20.0);
   imu.linear_acceleration.z = bytes.number(-20.0, 20.0);
   imu.linear_acceleration_covariance[0] = bytes.number(-1.0, 1.0);
+  imu.orientation = tf2::toMsg(Eigen::Quaterniond(flight_corridor::fuzz::pose(bytes).linear()));
+  if (bytes.integer(0, 7) == 0) imu.orientation.w = bytes.number(-2.0, 2.0);
   return imu;
 }
 
+/// What the node would publish of more than the corridor.
+void convertDirections(Bytes& bytes, const std_msgs::Header& header, Processor& processor,
+                       flight_corridor::Pipeline& pipeline) {
+  const flight_corridor::Box box_C = pipeline.boxInCamera();
+  const Eigen::Matrix3d R_C_H = processor.level().value_or(box_C.T_M_F.linear());
+  require(flight_corridor::isRotation(R_C_H), "a level frame is turned, nothing else");
+  scanFrames(header, R_C_H);
+  const flight_corridor::LevelScan scan = pipeline.levelScan(R_C_H);
+  for (const auto& message : {toScan(header, scan), toObstacleDistance(header, scan)}) {
+    for (const float range_m : message.ranges) require(!(range_m < message.range_min), "a range is one, or not known");
+  }
+  const Eigen::Vector3d goal_C(bytes.number(-1.0, 1.0), bytes.number(-1.0, 1.0), 1.0);
+  const flight_corridor::AreaGrid& areas = pipeline.freeAreas(goal_C);
+  const double step_rad = pipeline.config().free_areas.step_rad;
+  toMessage(header, areas, box_C.T_M_F.linear(), goal_C, pipeline.config().speed, 0.0);
+  toMarkers(header, areas, box_C, step_rad, goal_C, 1.0);
+  cv::Mat picture;
+  drawFreeAreas(processor.left(), pipeline.geometry(), box_C, areas, step_rad, goal_C, picture);
+}
+
 /// What the node would publish.
-void convert(const StereoMessages& pair, Processor& processor) {
+void convert(Bytes& bytes, const StereoMessages& pair, Processor& processor) {
   const std_msgs::Header& header = pair.header;
   const flight_corridor::Report& report = processor.report();
   toMessage(header, report, {4.0, 1.2, 0.4}, {}, 0.0);
@@ -129,6 +154,7 @@ void convert(const StereoMessages& pair, Processor& processor) {
   cv::Mat overlay;
   flight_corridor::drawOverlay(processor.left(), pipeline->geometry(), pipeline->boxInCamera(), report.verdict,
                                report.range, overlay);
+  if (bytes.integer(0, 3) == 0) convertDirections(bytes, header, processor, *pipeline);
 }
 
 void know(Transforms& transforms, const char* parent, const char* child, const Eigen::Isometry3d& T) {
@@ -156,6 +182,7 @@ void send(Bytes& bytes) {
   config.core = fuzz::smallConfig();
   config.ros.tf_timeout_s = 0.0;
   if (bytes.flag()) config.core.map.frame_id = "odom";
+  config.core.corridor.level = bytes.integer(0, 3) == 0;
   Inbox inbox;
   Processor processor(config, transforms, inbox);
   const StereoCalibration rig = fuzz::anyRig(bytes);
@@ -175,7 +202,7 @@ void send(Bytes& bytes) {
     fuzz::checkVerdict(verdict);
     require(verdict.state != State::Free || !left->header.stamp.isZero(), "without a stamp nothing is FREE", verdict);
     require(verdict.state != State::Free || left->data != right->data, "one camera is not FREE", verdict);
-    convert(pair, processor);
+    convert(bytes, pair, processor);
     if (bytes.integer(0, 19) == 0) processor.reset();
   }
 }
