@@ -255,7 +255,7 @@ TEST(ToDisparityImage, GivesTheDepthThatTheGeometryGives) {
 
 TEST(ToMessage, CarriesEveryNumberOfTheReport) {
   flight_corridor::Report report;
-  report.verdict = {12.5, flight_corridor::State::Blocked, 2.5, 0.25, flight_corridor::kOccupiedCell};
+  report.verdict = {12.5, flight_corridor::State::Blocked, 2.5, 2.4, 0.25, flight_corridor::kOccupiedCell};
   report.range.range_m = 2.6;
   report.range.sigma_m = 0.01;
   report.range_lidar_m = 2.61;
@@ -266,6 +266,8 @@ TEST(ToMessage, CarriesEveryNumberOfTheReport) {
   EXPECT_EQ(message.header.frame_id, "left");
   EXPECT_EQ(message.state, CorridorState::BLOCKED);
   EXPECT_EQ(message.clear_distance, 2.5);
+  EXPECT_EQ(message.safe_speed, flight_corridor::safeSpeed(2.4, 0.04, {}));
+  EXPECT_GT(message.safe_speed, 0.0);
   EXPECT_EQ(message.unknown_fraction, 0.25);
   EXPECT_EQ(message.box.x, 4.0);
   EXPECT_EQ(message.box.y, 1.2);
@@ -307,8 +309,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
 
 TEST(ToResponse, SpeaksAsTheVerdictDoes) {
   using flight_corridor::QueryCorridorResponse;
-  const flight_corridor::Verdict verdict{12.5, flight_corridor::State::Blocked, 2.5, 0.25,
-                                         flight_corridor::kOccupiedCell};
+  const flight_corridor::Verdict verdict{12.5, flight_corridor::State::Blocked, 2.5, 2.4,
+                                         0.25, flight_corridor::kOccupiedCell};
   const QueryCorridorResponse response = toResponse(ros::Time(12, 500000000), verdict);
   EXPECT_TRUE(response.success);
   EXPECT_EQ(response.message, "");

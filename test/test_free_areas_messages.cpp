@@ -21,7 +21,7 @@ constexpr std::size_t kAhead = 7, kLeftmost = 9;
 
 class FreeAreasMessages : public testing::Test {
  protected:
-  FreeAreasMessages() : areas(directions(kGrid)) {
+  FreeAreasMessages() : areas(areaGrid(kGrid)) {
     header.frame_id = "left_optical";
     header.stamp = ros::Time(100.0);
     box.T_M_F = flight_corridor::opticalFromForward();

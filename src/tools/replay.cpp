@@ -59,17 +59,20 @@ void checkOptionalTopics(const StereoBagReader& bag, const CommandLine& options)
 /// Verdicts as messages in a bag of their own.
 class VerdictBag {
  public:
-  VerdictBag(const std::string& path, const CorridorConfig& corridor)
-      : bag_(path), box_size_m_(corridorBox(corridor, Eigen::Isometry3d::Identity()).size_m) {}
+  VerdictBag(const std::string& path, const Config& config)
+      : bag_(path), config_(config), box_size_m_(corridorBox(config.corridor, Eigen::Isometry3d::Identity()).size_m) {}
 
   void add(const Answer& answer) {
-    const auto verdict = flight_corridor_ros::toMessage(answer.messages.header, answer.report, box_size_m_, kNaN);
-    bag_.write(kVerdictTopic, answer.messages.recorded, verdict);  // without a clock, without a latency
+    auto verdict =
+        flight_corridor_ros::toMessage(answer.messages.header, answer.report, box_size_m_, config_.speed, 0.0);
+    verdict.latency = kNaN;  // without a clock, without a latency
+    bag_.write(kVerdictTopic, answer.messages.recorded, verdict);
   }
   void close() { bag_.finish(); }
 
  private:
   NewBag bag_;
+  Config config_;
   Eigen::Vector3d box_size_m_;
 };
 
@@ -164,7 +167,7 @@ int replay(const CommandLine& options) {
   checkOptionalTopics(bag, options);
   Pictures pictures(pictureOptions(options, bag));
   std::optional<VerdictBag> verdicts;
-  if (options.given("out")) verdicts.emplace(options.text("out"), config.core.corridor);
+  if (options.given("out")) verdicts.emplace(options.text("out"), config.core);
 
   Replayer replayer(bag, config);
   const auto saveMap = [&] {
