@@ -27,9 +27,9 @@ TEST(SafeSpeed, IsTheNumberOfTheLaw) {
   SpeedConfig config;
   config.delay_s = 0.0;
   config.margin_m = 0.0;
-  EXPECT_NEAR(safeSpeed(4.0, 0.0, config), 3.142, 0.001) << "v^2 + 4.5 v - 24 = 0";
+  EXPECT_NEAR(safeSpeed(4.0, 0.0, config), 3.1410, 0.0001) << "v^2 + 4.5 v - 24 = 0";
   config = SpeedConfig();
-  EXPECT_NEAR(safeSpeed(4.0, 0.03, config), 2.763, 0.001) << "v^2 + (4.5 + 0.78) v - 22.2 = 0";
+  EXPECT_NEAR(safeSpeed(4.0, 0.03, config), 2.7609, 0.0001) << "v^2 + (4.5 + 0.78) v - 22.2 = 0";
 }
 
 TEST(SafeSpeed, FromItTheUavStopsWithinWhatIsFreeTheMarginKept) {

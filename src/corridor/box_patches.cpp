@@ -109,7 +109,7 @@ void BoxPatches::sort() {
 void BoxPatches::measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m) {
   sums_.assign(fan.size(), {});
   const Eigen::Array3f size_m = fan.box().size_m.cast<float>();
-  const Eigen::Array3f middle_m = (Eigen::Array3f(size_m.x(), 0.5f * size_m.y(), 0.5f * size_m.z()) - 0.5f * beside_m).max(0.0f);
+  const Eigen::Array3f middle_m = Eigen::Array3f(size_m.x(), 0.5f * size_m.y(), 0.5f * size_m.z()) - beside_m;
   for (const Point* point = first; point != end; ++point) {
     const double pixel_m2 = point->edge_m * std::max<double>(point->edge_m, smallest_m / kEdgeWidth_px);
     const Eigen::Vector3f fitted_F =
