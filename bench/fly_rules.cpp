@@ -98,7 +98,7 @@ sim::Rule ruleOf(std::shared_ptr<Verdict> verdict) {
 sim::Rule yardstick(const std::string& name, const sim::ClosedLoop& loop, int disparities_px) {
   if (name == "paper") return ruleOf(std::make_shared<PaperRule>(StereoGeometry(loop.calibration()), disparities_px));
   if (name == "stock") return ruleOf(std::make_shared<StockRule>(loop, disparities_px));
-  throw std::invalid_argument("unknown rule '" + name + "'; known are: corridor paper stock");
+  throw std::invalid_argument("unknown rule '" + name + "'; known are: corridor newest paper stock");
 }
 
 }  // namespace flight_corridor::bench

@@ -36,13 +36,16 @@ sim::ClosedLoopOptions loopOptions(const CommandLine& options, const SpeedConfig
 }
 
 /// For images of another size: the same nearest depth, and no obstacle asked for below 3.5 px at the corridor's end.
-Config scaledConfig(Config config, const StereoCalibration& rig, double image_scale) {
+/// With a map that remembers, whatever the configuration says, or without: what turns on the spot turns away from what
+/// it has seen.
+Config configFor(const std::string& rule, Config config, const StereoCalibration& rig, double image_scale) {
   constexpr double kSmallest_px = 3.5;
   constexpr int kStep_px = 32;
   config.stereo.num_disparities_px =
       static_cast<int>(std::ceil(config.stereo.num_disparities_px * image_scale / kStep_px)) * kStep_px;
   config.corridor.smallest_obstacle_m =
       std::max(config.corridor.smallest_obstacle_m, kSmallest_px * config.corridor.length_m / rig.fx_px);
+  config.map.frame_id = rule == "newest" ? "" : "odom";
   return config;
 }
 
@@ -75,13 +78,13 @@ int fly(const CommandLine& options) {
   const Config given = readConfig(options.text("config"), options.all("set")).core;
   const sim::ClosedLoopOptions loop_options = loopOptions(options, given.speed);
   sim::ClosedLoop loop(world, loop_options, seed);
-  const Config config = scaledConfig(given, loop.calibration(), loop_options.image_scale);
+  const Config config = configFor(options.text("rule"), given, loop.calibration(), loop_options.image_scale);
   const bool way_exists =
       sim::wayExists(world, config.corridor.width_m + kWaySpare_m, config.corridor.height_m + kWaySpare_m);
 
   sim::CorridorRule corridor(config, loop);
   sim::Rule rule = [&](const sim::Observation& seen) { return corridor.judge(seen); };
-  const bool is_ours = options.text("rule") == "corridor";
+  const bool is_ours = options.text("rule") == "corridor" || options.text("rule") == "newest";
   if (!is_ours) rule = bench::yardstick(options.text("rule"), loop, config.stereo.num_disparities_px);
   const std::string name = options.text("world") + "_" + options.text("seed") + "_" + options.text("rule");
   FlyPictures pictures(loop, name, options.text("video"), loop_options.rate_hz);
@@ -109,7 +112,8 @@ int main(int argc, char** argv) {
   options.required("world", "NAME", "world to fly through, see --list")
       .required("csv", "F.csv", "table to write: one line, how the flight went")
       .optional("seed", "N", "varies the world and the noise", "0")
-      .optional("rule", "NAME", "what decides: corridor (this package), paper or stock", "corridor")
+      .optional("rule", "NAME", "what decides: corridor (this package), newest (it, without memory), paper or stock",
+                "corridor")
       .optional("rate", "HZ", "stereo pairs per second", "10")
       .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240", "0.5")
       .optional("baseline-error", "E", "(true - announced) / announced baseline", "0")
