@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Makes flight.gif and index.html of what `scripts/demo` left in a folder."""
 
+import csv
 import html
 import io
 import math
@@ -42,6 +43,7 @@ All frames: <a href="flight.avi">flight.avi</a>.</p>
 <h2>Ranges</h2>
 <img src="ranges.png" alt="ranges of LiDAR, stereo and their fusion over time">
 <p>Every frame: <a href="result.csv">result.csv</a>.</p>
+{flown}
 </body></html>
 """
 
@@ -86,6 +88,16 @@ def evaluation_section(path):
     return f"<h2>Against the truth</h2><pre>{html.escape(path.read_text(encoding='utf-8'))}</pre>"
 
 
+def flown_section(path):
+    with open(path, encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
+    return ("<h2>A flight by what is seen</h2>"
+            '<img src="fly.gif" alt="a quadrotor flies through a wood">'
+            f"<p>A simulated quadrotor flies to the green ring: {row['outcome'].replace('_', ' ')} after "
+            f"{float(row['time_s']):.0f} s and {float(row['distance_m']):.0f} m. Left: the directions that were judged, "
+            "the one that is taken ringed. Right: from above. All frames: <a href=\"fly.avi\">fly.avi</a>.</p>")
+
+
 def metres(text):
     value = float(text)
     return f"{value:.2f}" if math.isfinite(value) else "–"
@@ -108,11 +120,14 @@ def main():
     every = max(1, round(GIF_PERIOD_S * (len(rows) - 1) / times[-1])) if times[-1] > 0 else 1
     write_gif(list(video_frames(folder / "flight.avi"))[::every], folder / "flight.gif")
     changes = [i for i in range(len(rows)) if i == 0 or rows[i]["state"] != rows[i - 1]["state"]]
-    node, evaluation = folder / "node.csv", folder / "evaluation.txt"
+    node, evaluation, flown = folder / "node.csv", folder / "evaluation.txt", folder / "fly.csv"
+    if flown.exists():
+        write_gif(list(video_frames(folder / "fly.avi"))[::3], folder / "fly.gif")
     (folder / "index.html").write_text(PAGE.format(
         name=html.escape(name), frames=len(rows), seconds=times[-1],
         node=node_section(node) if node.exists() else "",
         evaluation=evaluation_section(evaluation) if evaluation.exists() else "",
+        flown=flown_section(flown) if flown.exists() else "",
         changes="".join(change_row(rows[i], times[i], i) for i in changes)), encoding="utf-8")
 
 

@@ -9,7 +9,7 @@
 namespace flight_corridor::sim {
 namespace {
 
-constexpr double kWidth_m = 1.5, kHeight_m = 0.7;  // of the corridor, and 0.3 m more
+constexpr double kBodyWidth_m = 1.5, kBodyHeight_m = 0.7;  // of the corridor, and 0.3 m more
 
 /// Nothing but ground, and a wall across at x = 10 m.
 World walledWorld() {
@@ -62,7 +62,7 @@ TEST(Worlds, LeaveRoomAtTheStartAndHaveTheirGoalTwentyMetresAway) {
       Eigen::Isometry3d T_W_F = Eigen::Isometry3d::Identity();
       T_W_F.translation() = world.scene.flight.start_W - Eigen::Vector3d(0.75, 0.0, 0.0);
       for (const Primitive& primitive : visibleAt(world.scene.world, 0.0)) {
-        EXPECT_FALSE(overlaps(T_W_F, {kWidth_m, kWidth_m, kHeight_m}, primitive)) << name << ' ' << seed;
+        EXPECT_FALSE(overlaps(T_W_F, {kBodyWidth_m, kBodyWidth_m, kBodyHeight_m}, primitive)) << name << ' ' << seed;
       }
       EXPECT_GE((world.goal_W - world.scene.flight.start_W).norm(), 20.0) << name << ' ' << seed;
       EXPECT_TRUE(world.ground_W.contains(Eigen::Vector2d(world.goal_W.head<2>()))) << name << ' ' << seed;
@@ -73,21 +73,22 @@ TEST(Worlds, LeaveRoomAtTheStartAndHaveTheirGoalTwentyMetresAway) {
 TEST(Worlds, MostlyHaveAWay) {
   for (const std::string& name : worldNames()) {
     int ways = 0;
-    for (std::uint64_t seed = 0; seed < 5; ++seed) ways += wayExists(makeWorld(name, seed), kWidth_m, kHeight_m);
+    for (std::uint64_t seed = 0; seed < 5; ++seed)
+      ways += wayExists(makeWorld(name, seed), kBodyWidth_m, kBodyHeight_m);
     EXPECT_GE(ways, 2) << name;
   }
 }
 
 TEST(WayExists, NotThroughAWall) {
-  EXPECT_FALSE(wayExists(walledWorld(), kWidth_m, kHeight_m));
+  EXPECT_FALSE(wayExists(walledWorld(), kBodyWidth_m, kBodyHeight_m));
   World open = walledWorld();
   open.scene.world.pop_back();
-  EXPECT_TRUE(wayExists(open, kWidth_m, kHeight_m));
+  EXPECT_TRUE(wayExists(open, kBodyWidth_m, kBodyHeight_m));
 }
 
 TEST(WayExists, ThroughAnOpeningThatIsWideEnough) {
-  EXPECT_TRUE(wayExists(openedWorld(1.75), kWidth_m, kHeight_m));
-  EXPECT_FALSE(wayExists(openedWorld(1.45), kWidth_m, kHeight_m));
+  EXPECT_TRUE(wayExists(openedWorld(1.75), kBodyWidth_m, kBodyHeight_m));
+  EXPECT_FALSE(wayExists(openedWorld(1.45), kBodyWidth_m, kBodyHeight_m));
 }
 
 TEST(WayExists, ThroughAWindowThatIsHighEnough) {
@@ -95,14 +96,14 @@ TEST(WayExists, ThroughAWindowThatIsHighEnough) {
     World world = openedWorld(2.0);
     world.scene.world.push_back(makeBox({10, 3, (1.5 - half_m) / 2.0}, {0.2, 2.0, 1.5 - half_m}, {}));
     world.scene.world.push_back(makeBox({10, 3, 3.0 + half_m}, {0.2, 2.0, 3.0}, {}));
-    EXPECT_EQ(wayExists(world, kWidth_m, kHeight_m), half_m > kHeight_m / 2.0) << half_m;
+    EXPECT_EQ(wayExists(world, kBodyWidth_m, kBodyHeight_m), half_m > kBodyHeight_m / 2.0) << half_m;
   }
 }
 
 TEST(WayExists, WhateverMovesDoesNotCount) {
   World world = walledWorld();
   world.scene.world.back().velocity_W = {0.0, 0.1, 0.0};
-  EXPECT_TRUE(wayExists(world, kWidth_m, kHeight_m));
+  EXPECT_TRUE(wayExists(world, kBodyWidth_m, kBodyHeight_m));
 }
 
 TEST(GapBetween, IsTheDistance) {

@@ -10,15 +10,9 @@
 namespace flight_corridor::sim {
 namespace {
 
-constexpr double kFirstStamp_s = 100.0;  // not zero: that means "no time" to ROS
-constexpr double kTick_s = 0.02;         // of LiDAR, imu, and looks for collisions
-constexpr double kArrived_m = 1.5;       // from the goal
-constexpr double kWatched_m = 1.5;       // how far nearest_m looks
-constexpr double kImuNoise_mps2 = 0.05, kAttitudeNoise_rad = 0.003;
-
-Eigen::Vector3d noiseOfAxes(Random& random, double std) {
-  return Eigen::Vector3d{random.normal(std), random.normal(std), random.normal(std)};  // braces: in this order
-}
+constexpr double kTick_s = 0.02;    // of LiDAR, imu, and looks for collisions
+constexpr double kArrived_m = 1.5;  // from the goal
+constexpr double kWatched_m = 1.5;  // how far nearest_m looks
 
 World withRig(World world, const ClosedLoopOptions& options) {
   scaleImages(world.scene.rig, options.image_scale);
@@ -46,7 +40,7 @@ ClosedLoop::ClosedLoop(World world, const ClosedLoopOptions& options, std::uint6
       seed_(seed),
       quadrotor_(options.quadrotor, world_.scene.flight.start_W, 0.0),
       lidar_(world_.scene.lidar, options.lidar_fault, seed),
-      imu_noise_(seed, Stream::ImuNoise) {}
+      imu_(seed) {}
 
 Flown ClosedLoop::fly(const Rule& rule, const std::function<void(const Observation&, const Way&)>& watch) {
   SpeedConfig speed = options_.speed;
@@ -60,8 +54,7 @@ Flown ClosedLoop::fly(const Rule& rule, const std::function<void(const Observati
     if (flown_.ending != Ending::GivenUp || stamp_s > options_.patience_s) break;
     observation.pair = takePair(i);
     observation.own = {quadrotor_.T_W_B(), quadrotor_.velocity_W_mps()};
-    const Eigen::Vector3d tilt = noiseOfAxes(imu_noise_, kAttitudeNoise_rad);
-    observation.own.T_W_B.rotate(Eigen::AngleAxisd(tilt.norm(), tilt.normalized()));
+    if (!observation.imu.empty()) observation.own.T_W_B.linear() = observation.imu.back().R_W_B.toRotationMatrix();
     const Way way = rule(observation);
     if (watch) watch(observation, way);
     const VelocityCommand command = policy.decide(observation.own, way, world_.goal_W);
@@ -113,13 +106,8 @@ void ClosedLoop::feel(Observation& next) {
     reading->stamp_s = stamp_s;
     next.ranges.push_back(*reading);
   }
-  constexpr double kGravity_mps2 = 9.80665;
-  const Eigen::Vector3d force_W = quadrotor_.acceleration_W_mps2() + kGravity_mps2 * Eigen::Vector3d::UnitZ();
-  ImuReading imu;
-  imu.stamp_s = stamp_s;
-  imu.specific_force_B_mps2 = T_W_B.linear().transpose() * force_W + noiseOfAxes(imu_noise_, kImuNoise_mps2);
-  imu.R_W_B = Eigen::Quaterniond(T_W_B.linear());
-  next.imu.push_back(imu);
+  const Eigen::Vector3d turning_B(0.0, 0.0, quadrotor_.yawRate());
+  next.imu.push_back(imu_.measure(stamp_s, T_W_B.linear(), quadrotor_.acceleration_W_mps2(), turning_B));
 }
 
 void ClosedLoop::checkAirframe() {

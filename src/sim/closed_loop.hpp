@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
+#include "sim/imu.hpp"
 #include "sim/lidar.hpp"
 #include "sim/policy.hpp"
 #include "sim/quadrotor.hpp"
-#include "sim/simulation.hpp"
 #include "sim/worlds.hpp"
 
 namespace flight_corridor::sim {
@@ -79,7 +80,7 @@ class ClosedLoop {
   std::uint64_t seed_;
   Quadrotor quadrotor_;
   Lidar lidar_;
-  Random imu_noise_;
+  Imu imu_;
   Flown flown_;
   bool is_moving_ = false;
 };

@@ -35,6 +35,7 @@ class Quadrotor {
   Eigen::Isometry3d T_W_B() const;
   const Eigen::Vector3d& velocity_W_mps() const { return velocity_W_; }
   const Eigen::Vector3d& acceleration_W_mps2() const { return acceleration_W_; }
+  double yawRate() const { return yaw_rate_rad_s_; }  ///< [rad/s]
 
  private:
   struct Timed {

@@ -14,6 +14,8 @@
 
 namespace flight_corridor::sim {
 
+constexpr double kFirstStamp_s = 100.0;  ///< Of a flight; not zero: that means "no time" to ROS.
+
 /// Everything that a simulated recording is made from.
 struct Scene {
   std::vector<Primitive> world;

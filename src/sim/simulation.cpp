@@ -11,12 +11,7 @@
 namespace flight_corridor::sim {
 namespace {
 
-constexpr double kFirstStamp_s = 100.0;  // not zero: that means "no time" to ROS
 constexpr double kImuRate_hz = 200.0;
-constexpr double kImuNoise_mps2 = 0.05;  // standard deviation of a reading, each axis
-constexpr double kGyroNoise_rad_s = 0.005;
-constexpr double kAttitudeNoise_rad = 0.003;  // a sixth of a degree
-constexpr double kGravity_mps2 = 9.80665;
 
 const SimulationOptions& checked(const SimulationOptions& options) {
   std::string broken;
@@ -48,10 +43,6 @@ std::vector<double> ticks(double duration_s, double rate_hz) {
   if (rate_hz == 0.0) return times_s;
   for (int i = 0; i / rate_hz <= duration_s; ++i) times_s.push_back(i / rate_hz);
   return times_s;
-}
-
-Eigen::Vector3d noiseOfAxes(Random& random, double std) {
-  return Eigen::Vector3d{random.normal(std), random.normal(std), random.normal(std)};  // braces: in this order
 }
 
 }  // namespace
@@ -88,11 +79,11 @@ std::vector<RangeReading> Simulation::ranges() const {
   return readings;
 }
 
-/// f = R_B_W (a - g), a by the central second difference of the pose, so that summing it twice gives the flight again;
-/// the angular velocity by the central first difference of the attitude.
+/// The acceleration by the central second difference of the pose, so that summing it twice gives the flight again; the
+/// angular velocity by the central first difference.
 std::vector<ImuReading> Simulation::imuReadings() const {
   std::vector<ImuReading> readings;
-  Random noise(options_.seed, Stream::ImuNoise), attitude_noise(options_.seed, Stream::AttitudeNoise);
+  Imu imu(options_.seed);
   const double step_s = 1.0 / kImuRate_hz;
   for (const double time_s : ticks(scene_.flight.duration_s - 2.0 * step_s, kImuRate_hz)) {
     const double stamp_s = kFirstStamp_s + time_s + step_s;
@@ -100,13 +91,8 @@ std::vector<ImuReading> Simulation::imuReadings() const {
     const Eigen::Vector3d acceleration_W =
         (before.translation() - 2.0 * now.translation() + after.translation()) / (step_s * step_s);
     const Eigen::AngleAxisd turned_B(before.linear().transpose() * after.linear());
-    const Eigen::Vector3d force_noise = noiseOfAxes(noise, kImuNoise_mps2);
-    const Eigen::Vector3d rate_noise = noiseOfAxes(attitude_noise, kGyroNoise_rad_s);
-    const Eigen::Vector3d tilt_noise = noiseOfAxes(attitude_noise, kAttitudeNoise_rad);
     readings.push_back(
-        {stamp_s, now.linear().transpose() * (acceleration_W + kGravity_mps2 * Eigen::Vector3d::UnitZ()) + force_noise,
-         turned_B.angle() / (2.0 * step_s) * turned_B.axis() + rate_noise,
-         Eigen::Quaterniond(now.linear()) * Eigen::AngleAxisd(tilt_noise.norm(), tilt_noise.normalized())});
+        imu.measure(stamp_s, now.linear(), acceleration_W, turned_B.angle() / (2.0 * step_s) * turned_B.axis()));
   }
   return readings;
 }

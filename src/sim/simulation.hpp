@@ -10,6 +10,7 @@
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/types.hpp"
+#include "sim/imu.hpp"
 #include "sim/scenes.hpp"
 #include "sim/truth.hpp"
 
@@ -26,14 +27,6 @@ struct SimulationOptions {
   double lidar_fault_from_s = 0.0;            ///< After the flight's start.
   double lidar_fault_until_s = kInfinity;     ///< After the flight's start.
   Eigen::Vector3d corridor_m{4.0, 1.2, 0.4};  ///< Length, width and height of the box that truth() speaks of.
-};
-
-/// What an ideal imu in B measures, with noise.
-struct ImuReading {
-  double stamp_s = 0.0;
-  Eigen::Vector3d specific_force_B_mps2 = Eigen::Vector3d::Zero();  ///< Acceleration less gravity's.
-  Eigen::Vector3d angular_velocity_B_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond R_W_B = Eigen::Quaterniond::Identity();  ///< Attitude.
 };
 
 /// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed when asked for.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kCell_m = 0.1;
 
-const std::map<std::string, WorldBuilder>& builders() {
+const std::map<std::string, WorldBuilder>& worldBuilders() {
   static const std::map<std::string, WorldBuilder> kBuilders = [] {
     std::map<std::string, WorldBuilder> by_name;
     for (const auto& kind : {outdoorBuilders(), indoorBuilders()}) by_name.insert(kind.begin(), kind.end());
@@ -86,13 +86,13 @@ class Search {
 
 std::vector<std::string> worldNames() {
   std::vector<std::string> names;
-  for (const auto& [name, build] : builders()) names.push_back(name);
+  for (const auto& [name, build] : worldBuilders()) names.push_back(name);
   return names;
 }
 
 World makeWorld(const std::string& name, std::uint64_t seed) {
-  const auto found = builders().find(name);
-  if (found == builders().end()) {
+  const auto found = worldBuilders().find(name);
+  if (found == worldBuilders().end()) {
     std::string known;
     for (const std::string& world : worldNames()) known += " " + world;
     throw std::invalid_argument("unknown world '" + name + "'; known are:" + known);

@@ -65,7 +65,7 @@ void writeRow(const CommandLine& options, const sim::Flown& flown, bool way_exis
        << sim::toString(flown.ending) << ',' << way_exists
        << cv::format(",%.2f,%.2f,%.3f,%.3f,%.2f,%d,%.3f,", flown.time_s, flown.distance_m,
                      flown.distance_m / flown.time_s, flown.top_speed_mps, flown.waited_s, flown.stops, flown.nearest_m)
-       << (flown.hit ? describe(*flown.hit) : "") << cv::format(",%.2f,", 100.0 + flown.time_s)
+       << (flown.hit ? describe(*flown.hit) : "") << cv::format(",%.2f,", sim::kFirstStamp_s + flown.time_s)
        << options.text("image-scale") << ',' << options.text("lidar-fault") << ',' << options.text("baseline-error")
        << '\n';
   if (!file.flush()) throw std::runtime_error(options.text("csv") + ": cannot be written");

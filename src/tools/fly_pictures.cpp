@@ -90,12 +90,11 @@ void FlyPictures::drawCamera(const sim::Observation& observation, const sim::Way
   };
   if (areas) {
     for (const FreeArea& area : areas->areas) {
-      cv::circle(camera_, spot(T_W_F.linear() * ahead(area)), 7, colour(area.verdict.state), cv::FILLED,
-                 cv::LINE_AA);
+      cv::circle(camera_, spot(T_W_F.linear() * ahead(area)), 7, colour(area.verdict.state), cv::FILLED, cv::LINE_AA);
     }
   }
   if (way.direction_W) cv::circle(camera_, spot(*way.direction_W), 13, {255, 255, 255}, 3, cv::LINE_AA);
-  writeCaption(cv::format("%s  %.1f s  %.1f m/s", title_.c_str(), observation.pair.stamp_s - 100.0,
+  writeCaption(cv::format("%s  %.1f s  %.1f m/s", title_.c_str(), observation.pair.stamp_s - sim::kFirstStamp_s,
                           observation.own.velocity_W_mps.norm()),
                camera_);
 }
@@ -104,7 +103,8 @@ void FlyPictures::drawFromAbove(const sim::Observation& observation, const sim::
   const double length_m = world_.goal_W.x() + 4.0;
   above_.create(kHeight_px, cvRound(kPxPerMetre * length_m), CV_8UC3);
   above_.setTo(kPaper);
-  for (const sim::Primitive& primitive : sim::visibleAt(world_.scene.world, observation.pair.stamp_s - 100.0)) {
+  for (const sim::Primitive& primitive :
+       sim::visibleAt(world_.scene.world, observation.pair.stamp_s - sim::kFirstStamp_s)) {
     double low_m = kInfinity, high_m = -kInfinity;
     std::vector<cv::Point> points, hull;
     for (const Eigen::Vector3d& point_W : outline(primitive)) {
