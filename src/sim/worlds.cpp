@@ -15,7 +15,7 @@
 namespace flight_corridor::sim {
 namespace {
 
-constexpr double kCell_m = 0.1;
+constexpr double kSearchCell_m = 0.1;
 
 const std::map<std::string, WorldBuilder>& worldBuilders() {
   static const std::map<std::string, WorldBuilder> kBuilders = [] {
@@ -32,8 +32,8 @@ class Search {
   Search(const World& world, double width_m, double height_m)
       : world_(world),
         size_m_(width_m, width_m, height_m),
-        seen_(static_cast<int>(world.ground_W.sizes().y() / kCell_m) + 1,
-              static_cast<int>(world.ground_W.sizes().x() / kCell_m) + 1, uchar{0}) {
+        seen_(static_cast<int>(world.ground_W.sizes().y() / kSearchCell_m) + 1,
+              static_cast<int>(world.ground_W.sizes().x() / kSearchCell_m) + 1, uchar{0}) {
     for (const Primitive& primitive : world.scene.world) {
       if (primitive.velocity_W.isZero()) standing_.push_back(primitive);
     }
@@ -58,13 +58,13 @@ class Search {
 
  private:
   cv::Point cellOf(const Eigen::Vector3d& p_W) const {
-    const Eigen::Vector2d cell = (p_W.head<2>() - world_.ground_W.min()) / kCell_m;
+    const Eigen::Vector2d cell = (p_W.head<2>() - world_.ground_W.min()) / kSearchCell_m;
     return {static_cast<int>(std::lround(cell.x())), static_cast<int>(std::lround(cell.y()))};
   }
 
   /// A round body lies within a square, and within the same turned by 45 degrees: what meets it meets both.
   bool isFree(const cv::Point& cell) const {
-    const Eigen::Vector2d p_W = world_.ground_W.min() + kCell_m * Eigen::Vector2d(cell.x, cell.y);
+    const Eigen::Vector2d p_W = world_.ground_W.min() + kSearchCell_m * Eigen::Vector2d(cell.x, cell.y);
     const Eigen::Vector3d middle_W(p_W.x(), p_W.y(), world_.scene.flight.start_W.z());
     const auto meets = [&](double turned_rad, const Primitive& primitive) {
       Eigen::Isometry3d T_W_F(Eigen::Translation3d(middle_W) * Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitZ()));
