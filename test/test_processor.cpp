@@ -4,64 +4,15 @@
 #include <cmath>
 #include <string>
 
-#include "flight_corridor/geometry/box.hpp"
-#include "ros/processor.hpp"
 #include "support/contains.hpp"
-#include "support/stereo_inputs.hpp"
+#include "support/processor_test.hpp"
 
 namespace flight_corridor_ros {
 namespace {
 
 using namespace flight_corridor;
+using namespace test_support;
 using flight_corridor::test_support::contains;
-using test_support::StereoInputs;
-
-const ros::Time kStart(100, 0);
-constexpr double kNear_m = 3.0, kFar_m = 7.0;
-
-/// A camera with a LiDAR in its place, and nobody's messages but those that a test gives.
-class ProcessorTest : public testing::Test {
- protected:
-  ProcessorTest() { mount("range_link", 0.0); }
-
-  /// Turned to the left against the beam, at a stamp, or for ever.
-  void mount(const std::string& frame, double left_rad, const ros::Time& stamp = ros::Time()) {
-    const Eigen::AngleAxisd left(-left_rad, Eigen::Vector3d::UnitY());
-    geometry_msgs::TransformStamped mounted = tf2::eigenToTransform(Eigen::Isometry3d(left) * opticalFromForward());
-    mounted.header.frame_id = "left_optical";
-    mounted.header.stamp = stamp;
-    mounted.child_frame_id = frame;
-    transforms.add(mounted, stamp.isZero());
-  }
-
-  static StereoMessages messages(const StereoInputs& inputs) {
-    return {inputs.left, boost::make_shared<sensor_msgs::CameraInfo>(inputs.left_info), inputs.right,
-            boost::make_shared<sensor_msgs::CameraInfo>(inputs.right_info)};
-  }
-
-  /// The verdict on a wall that stereo sees; equal seeds show equal images.
-  Verdict see(double wall_m, const ros::Time& stamp, std::uint64_t seed) {
-    StereoInputs inputs(wall_m, seed);
-    inputs.stamp(stamp);
-    inputs.left_info.P[2] += principal_point_px;
-    inputs.right_info.P[2] += principal_point_px;
-    return processor.process(messages(inputs)).verdict;
-  }
-
-  void putRange(const std::string& frame, double range_m, const ros::Time& stamp) {
-    sensor_msgs::Range range = StereoInputs(kFar_m).range;
-    range.header.stamp = stamp;
-    range.header.frame_id = frame;
-    range.range = static_cast<float>(range_m);
-    inbox.put(boost::make_shared<const sensor_msgs::Range>(range));
-  }
-
-  Transforms transforms;
-  NodeConfig config;
-  Inbox inbox;
-  Processor processor{config, transforms, inbox};
-  double principal_point_px = 0.0;
-};
 
 TEST_F(ProcessorTest, APairWithoutAStampIsNoData) {
   EXPECT_EQ(see(kFar_m, ros::Time(), 1).reasons, kNoData);
@@ -257,45 +208,6 @@ TEST_F(ProcessorTest, AQuaternionTypedWithTwoDigitsIsARotation) {
   const auto pose = transforms.find("left_optical", "forward", ros::Time(0));
   ASSERT_TRUE(pose);
   EXPECT_TRUE(pose->linear().isApprox(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()).matrix(), 1e-12));
-}
-
-TEST_F(ProcessorTest, ALevelCorridorStaysLevelAndAlongTheHeading) {
-  config.core.corridor.level = true;
-  Processor level(config, transforms, inbox);
-  const auto show = [&](double after_s) {
-    StereoInputs inputs(kFar_m, static_cast<std::uint64_t>(1.0 + 10.0 * after_s));
-    inputs.stamp(kStart + ros::Duration(after_s));
-    return level.process(messages(inputs)).verdict;
-  };
-  EXPECT_EQ(show(0.0).reasons, kNoPose) << "nobody says where up is";
-  EXPECT_FALSE(level.products());
-  const Eigen::AngleAxisd nose_up(0.3, Eigen::Vector3d::UnitX()), left_wing_up(0.4, Eigen::Vector3d::UnitZ());
-  const Eigen::Isometry3d T_C_B = opticalFromForward(), T_W_B(T_C_B.inverse() * nose_up * left_wing_up * T_C_B);
-  sensor_msgs::Imu imu;
-  imu.header.frame_id = "range_link";  // which sits as the body does
-  imu.header.stamp = kStart + ros::Duration(0.1);
-  imu.orientation = tf2::toMsg(Eigen::Quaterniond(T_W_B.linear()));
-  inbox.put(boost::make_shared<const sensor_msgs::Imu>(imu));
-  show(0.1);
-  ASSERT_TRUE(level.products());
-  const Eigen::Matrix3d R_W_F =
-      T_W_B.linear() * T_C_B.linear().transpose() * level.products()->boxInCamera().T_M_F.linear();
-  EXPECT_NEAR(R_W_F(2, 0), 0.0, 1e-6) << "level along its axis";
-  EXPECT_NEAR(R_W_F(2, 1), 0.0, 1e-6) << "and across";
-  EXPECT_GT(R_W_F(2, 2), 0.99);
-  EXPECT_NEAR(std::atan2(R_W_F(1, 0), R_W_F(0, 0)), std::atan2(T_W_B(1, 0), T_W_B(0, 0)), 1e-6) << "its heading";
-  ASSERT_TRUE(level.level());
-  EXPECT_TRUE(level.level()->isApprox(level.products()->boxInCamera().T_M_F.linear(), 1e-6));
-}
-
-TEST_F(ProcessorTest, TheScansLevelIsKnownWhereSomebodySaysWhereUpIs) {
-  see(kFar_m, kStart, 1);
-  ASSERT_TRUE(processor.products());
-  EXPECT_FALSE(processor.level());
-  mount("odom", 0.0, kStart + ros::Duration(0.1));
-  see(kFar_m, kStart + ros::Duration(0.1), 2);
-  ASSERT_TRUE(processor.level());
-  EXPECT_TRUE(processor.level()->isApprox(opticalFromForward().linear(), 1e-6));
 }
 
 TEST_F(ProcessorTest, TheCorridorTurnsWithItsFrame) {
