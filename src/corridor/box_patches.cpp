@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSplitGain = 0.7;    // of the residual of one plane: what one half leaves, where it is another surface
 constexpr double kFlat_px = 0.2;      // RMS about a plane, two sigma of a match: more may be two surfaces
-constexpr double kPiece_m = 0.5;      // of a surface: a wider one is more than one plane
+constexpr double kPiece_m = 1.0;      // of a surface: a wider one is more than one plane
 constexpr std::ptrdiff_t kFitted = 2000;  // points of a plane are enough
 
 }  // namespace
