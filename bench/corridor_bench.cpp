@@ -52,8 +52,8 @@ void BM_Corridor(benchmark::State& state) {
   for (auto _ : state) {
     left_texture.find(pair.left);
     rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
-    const PairEvidence evidence{pair, disparity,  depth_m,
-                                left_texture.mask(), rays, correction, estimator.nearestDepth()};
+    const PairEvidence evidence{
+        pair, disparity, depth_m, left_texture.mask(), rays, correction, estimator.nearestDepth()};
     benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config.blind_m, config.smallest_obstacle_m,
                                                is_lidar_valid, estimator.workers()));
   }

@@ -63,9 +63,9 @@ void fly(const std::string& scene, std::uint64_t seed, Family& family) {
 
 void print(const std::string& name, const Family& family) {
   const int all = family.free + family.blocked + family.unknown;
-  std::printf("| %s | %d | %d / %d / %d | %.2f %% | %d | %.1f | %.1f |\n", name.c_str(), all, family.free, family.blocked,
-              family.unknown, 100.0 * family.same / all, family.wrong_free, family.pair_ms / family.frames,
-              family.areas_ms / family.frames);
+  std::printf("| %s | %d | %d / %d / %d | %.2f %% | %d | %.1f | %.1f |\n", name.c_str(), all, family.free,
+              family.blocked, family.unknown, 100.0 * family.same / all, family.wrong_free,
+              family.pair_ms / family.frames, family.areas_ms / family.frames);
   std::fflush(stdout);
 }
 
@@ -77,8 +77,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: free_areas_table [SEEDS]: flies each family with so many seeds, from 6001 on\n");
     return 2;
   }
-  std::printf("| family | directions | FREE / BLOCKED / UNKNOWN | as the query | FREE where that is BLOCKED | pair, ms | "
-              "free areas, ms |\n|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| family | directions | FREE / BLOCKED / UNKNOWN | as the query | FREE where that is BLOCKED | pair, ms | "
+      "free areas, ms |\n|---|---|---|---|---|---|---|\n");
   Family all;
   for (const std::string& scene : sim::sceneNames()) {
     Family family;

@@ -14,13 +14,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
-    kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kNoDisparity | kDisagreement | kLidarNearer;
-
-constexpr double kLatestSight = 0.75;    // of the corridor: of its last quarter, the end, most has to be known
-constexpr double kMostUnknown = 0.1;     // of a box that is asked about
-constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
-constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
+constexpr double kLatestSight = 0.75;  // of the corridor: of its last quarter, the end, most has to be known
 
 /// Adds the time until the end of its scope. Durations only: no result depends on a clock.
 class Stopwatch {
@@ -38,24 +32,6 @@ class Stopwatch {
 const Config& valid(const Config& config) {
   throwIfBroken(check(config));
   return config;
-}
-
-/// Share of a box nearer than a depth, or behind the camera, by its slices along its axis.
-double shareNearer(const Box& box_C, double depth_m) {
-  constexpr int kSlices = 64;
-  int nearer = 0;
-  for (int i = 0; i < kSlices; ++i) {
-    const double along_m = box_C.size_m.x() * (i + 0.5) / kSlices;
-    nearer += !((box_C.T_M_F * Eigen::Vector3d(along_m, 0.0, 0.0)).z() >= depth_m);
-  }
-  return static_cast<double>(nearer) / kSlices;
-}
-
-/// @param distance_m to what blocks; +inf: nothing does.
-void block(Reason reason, double distance_m, Verdict& verdict) {
-  if (!std::isfinite(distance_m)) return;
-  verdict.reasons |= reason;
-  verdict.clear_distance_m = std::min(verdict.clear_distance_m, distance_m);
 }
 
 /// A baseline in another unit, or too few disparities: what stereo sees begins where the corridor is all but over.
@@ -206,8 +182,8 @@ void Pipeline::decide() {
   verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.reasons = box_reasons_ | reasonsOf(report_);
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  block(kShortRange, beamEndInBox(box_C), verdict);
-  if (remembers()) block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m, verdict);
+  verdict.block(kShortRange, beamEndInBox(box_C));
+  if (remembers()) verdict.block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m);
   if (stateOf(verdict.reasons) == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
@@ -216,138 +192,6 @@ void Pipeline::decide() {
   verdict.state = stateOf(verdict.reasons);
   verdict.free_distance_m = freeDistance(verdict, shown.unobserved, box_C);
   report_.clears = isTrusted();
-}
-
-/// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
-/// is where the LiDAR measures it.
-double Pipeline::validLidarDepth(const Box& box_C) const {
-  const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
-  const Eigen::Vector2d pixel = geometry_.project(met_C);
-  const bool is_valid = report_.lidar_range_valid && geometry_.contains(pixel) &&
-                        viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
-  return is_valid ? met_C.z() : kNaN;
-}
-
-Verdict Pipeline::query(const Box& box) const {
-  throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
-  Verdict verdict;
-  verdict.stamp_s = report_.verdict.stamp_s;
-  verdict.clear_distance_m = kInfinity;
-  verdict.reasons = report_.verdict.reasons & kMapInDoubt;
-  if (std::isnan(verdict.stamp_s) || depth_m_.empty()) {
-    verdict.reasons |= kNoData;
-    return verdict;
-  }
-  const Box box_C{T_M_C_.inverse() * box.T_M_F, box.size_m};
-  const bool is_way = beginsAtUav(box_C);
-  const BoxEvidence& shown = query_inspector_
-                                 .inspect(box_C, evidence(), is_way ? config_.corridor.blind_m : kNearestAsked_m,
-                                          smallestInspected(config_.corridor), isLidarValid(box_C),
-                                          disparity_estimator_.workers())
-                                 .front();
-  verdict.reasons |= reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
-  const Unobserved& unobserved = shown.unobserved;
-  verdict.unknown_fraction = unobserved.fraction;
-  if (!is_way) {
-    const double too_near = shareNearer(box_C, kNearestAsked_m);
-    const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
-    verdict.unknown_fraction = unseen + (1.0 - unseen) * unobserved.fraction;
-    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
-  }
-  block(kShortRange, beamEndInBox(box_C), verdict);
-  if (is_cleared_) {
-    verdict.unknown_fraction = std::max(verdict.unknown_fraction, cellsIn(map_.tree(), box).unknown_fraction);
-    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
-  }
-  if (remembers()) {
-    const BoxCells remembered = cellsIn(map().tree(), box);
-    if (!is_cleared_) verdict.unknown_fraction = std::min(verdict.unknown_fraction, remembered.unknown_fraction);
-    block(kOccupiedCell, remembered.clear_distance_m, verdict);
-    const bool is_known = !unobserved.hasHole() && verdict.unknown_fraction <= kMostUnknown;
-    if (is_known) verdict.reasons &= ~kUnobserved;  // memory says the rest
-  }
-  verdict.state = stateOf(verdict.reasons);
-  return verdict;
-}
-
-std::vector<bool> Pipeline::isLidarValid(const Fan& fan_C) const {
-  std::vector<bool> is_valid;
-  for (int i = 0; i < fan_C.size(); ++i) is_valid.push_back(!std::isnan(validLidarDepth(fan_C.box(i))));
-  return is_valid;
-}
-
-/// By the corridor's rule: each box begins at the UAV.
-std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
-  std::vector<Verdict> verdicts(fan_C.size());
-  if (depth_m_.empty()) {
-    for (Verdict& verdict : verdicts) verdict.reasons = kNoData;
-    return verdicts;
-  }
-  const std::vector<BoxEvidence>& shown =
-      fan_inspector_.inspect(fan_C, evidence(), config_.corridor.blind_m, smallestInspected(config_.corridor),
-                             isLidarValid(fan_C), disparity_estimator_.workers());
-  for (int i = 0; i < fan_C.size(); ++i) {
-    Verdict& verdict = verdicts[i];
-    const Box box_C = fan_C.box(i);
-    verdict.stamp_s = report_.verdict.stamp_s;
-    verdict.reasons =
-        (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown[i], config_.corridor, verdict.clear_distance_m);
-    verdict.unknown_fraction = shown[i].unobserved.fraction;
-    block(kShortRange, beamEndInBox(box_C), verdict);
-    if (remembers()) block(kOccupiedCell, cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}).clear_distance_m, verdict);
-    verdict.state = stateOf(verdict.reasons);
-    verdict.free_distance_m = freeDistance(verdict, shown[i].unobserved, box_C);
-  }
-  return verdicts;
-}
-
-const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C) {
-  const FreeAreasConfig& config = config_.free_areas;
-  const Fan fan_C(boxInCamera(), gridAngles(config.yaw_rad, config.step_rad),
-                  gridAngles(config.pitch_rad, config.step_rad));
-  const std::vector<Verdict> verdicts = judge(fan_C);
-  free_areas_ = areaGrid(config);
-  for (std::size_t i = 0; i < verdicts.size(); ++i) free_areas_.areas[i].verdict = verdicts[i];
-  const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
-  free_areas_.best =
-      bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C), config.step_rad);
-  return free_areas_;
-}
-
-LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
-  LevelScan scan;
-  scan.step_rad = config_.free_areas.step_rad;
-  const std::vector<double> yaws_rad = gridAngles(kScanned_rad, scan.step_rad);
-  scan.first_yaw_rad = yaws_rad.front();
-  scan.max_range_m = config_.corridor.length_m;
-  const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
-  const Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, config_.corridor.height_m}};
-  for (const Verdict& verdict : judge({ahead_C, yaws_rad, {0.0}})) {
-    scan.range_m.push_back(verdict.state == State::Unknown ? kNaN : verdict.clear_distance_m);
-  }
-  return scan;
-}
-
-/// Whether it is a way that the UAV may take from where it is: then it is judged as the corridor. What of it is out of
-/// view, beside the camera, was seen from farther away, or is where the UAV is.
-bool Pipeline::beginsAtUav(const Box& box_C) const {
-  const Eigen::Vector3d away_C = box_C.T_M_F.translation() - boxInCamera().T_M_F.translation();
-  return away_C.norm() <= 0.5 * config_.corridor.width_m;
-}
-
-/// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the
-/// paper, carried to the volume; +inf: it does not. While the sensors disagree the nearer one rules.
-double Pipeline::beamEndInBox(const Box& box) const {
-  double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
-  if (report_.range.disagreement) {
-    range_m = std::fmin(range_m, report_.range.disagreement->range_m);
-    nearest_m = std::fmin(nearest_m, range_m);
-  }
-  if (!std::isfinite(nearest_m)) return kInfinity;
-  const bool ends_inside =
-      contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
-  if (!ends_inside) return kInfinity;  // a large sigma reaches behind the box
-  return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
 }
 
 void Pipeline::setCorridor(const CorridorConfig& corridor) {

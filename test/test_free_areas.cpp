@@ -37,7 +37,8 @@ TEST(FreeAreas, TheBestIsTheFreeOneNearestToTheGoal) {
   EXPECT_EQ(bestArea(marked("+++++++++++++++"), kAhead, kStep_rad), 7);
   EXPECT_EQ(bestArea(marked(".....++........"), kAhead, kStep_rad), 6);
   EXPECT_EQ(bestArea(marked("+++++++++++++++"), {1.0, 0.2, 0.0}, kStep_rad), 9) << "to the left";
-  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {-5.0, 5.0, 0.0}, kStep_rad), 9) << "as near to a goal behind as it can";
+  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {-5.0, 5.0, 0.0}, kStep_rad), 9)
+      << "as near to a goal behind as it can";
   EXPECT_EQ(bestArea(marked(".....+...+....."), {1.0, -0.1, 0.1}, kStep_rad), 5);
 }
 

@@ -70,7 +70,8 @@ class Pipeline {
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
   /// What is known of any box now, by the corridor's rule. Of one that does not begin at the UAV nothing is exempt for
-  /// being out of view, but what a map in a fixed frame remembers. The answer is as old as its stamp, the last frame's: judge its age.
+  /// being out of view, but what a map in a fixed frame remembers. The answer is as old as its stamp, the last frame's:
+  /// judge its age.
   /// @param box in the map's frame: map/frame_id, without it C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;

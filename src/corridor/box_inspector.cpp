@@ -25,9 +25,8 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   questions_.clear();
   for (int i = 0; i < fan.size(); ++i) {
     const auto& patches = evidence_[i].patches;
-    const bool is_blocked = std::any_of(patches.begin(), patches.end(), [&](const BoxPatch& patch) {
-      return patch.blocks(smallest_m * smallest_m);
-    });
+    const bool is_blocked = std::any_of(patches.begin(), patches.end(),
+                                        [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); });
     questions_.push_back({is_one || !(is_blocked || evidence_[i].unobserved.hasHole()), is_lidar_valid[i]});
   }
   workers.run(2, [&](int part, int) {

@@ -14,9 +14,9 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kSplitGain = 0.7;    // of the residual of one plane: what one half leaves, where it is another surface
-constexpr double kFlat_px = 0.2;      // RMS about a plane, two sigma of a match: more may be two surfaces
-constexpr double kPiece_m = 1.0;      // of a surface: a wider one is more than one plane
+constexpr double kSplitGain = 0.7;  // of the residual of one plane: what one half leaves, where it is another surface
+constexpr double kFlat_px = 0.2;    // RMS about a plane, two sigma of a match: more may be two surfaces
+constexpr double kPiece_m = 1.0;    // of a surface: a wider one is more than one plane
 constexpr std::ptrdiff_t kFitted = 2000;  // points of a plane are enough
 
 }  // namespace
@@ -59,8 +59,8 @@ void BoxPatches::collect(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& 
       bool is_near = false;
       fan.visit(hit_F, kBeside_m, [&](int, const Eigen::Vector3f&) { is_near = true; });
       if (!is_near) continue;
-      points_.push_back({u, v, static_cast<float>(geometry_.disparity(depth[u])), static_cast<float>(depth[u] / fx_px),
-                         hit_F, 0.0f});
+      points_.push_back(
+          {u, v, static_cast<float>(geometry_.disparity(depth[u])), static_cast<float>(depth[u] / fx_px), hit_F, 0.0f});
     }
   }
 }
@@ -93,7 +93,7 @@ void BoxPatches::label() {
 
 /// A patch's points side by side, still in the order of the pixels.
 void BoxPatches::sort() {
-  begins_.assign(1, 0);  // first counts, then ends, then begins
+  begins_.assign(1, 0);                                         // first counts, then ends, then begins
   for (int i = 0; i < static_cast<int>(points_.size()); ++i) {  // a root is the first of its patch
     const int first = patch_[i];
     if (first == i) begins_.push_back(0);

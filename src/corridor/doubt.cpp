@@ -170,8 +170,7 @@ void Doubt::add(const Fan& fan, int direction, const Pixel& pixel, bool is_lidar
     box.repeated_m2[place - corrected_px_.begin()] +=
         std::pow(stride_px_ * geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
   }
-  const bool may_surround =
-      fan.size() == 1 || corrected_px_[pixel.nearest] >= from_px_;  // a fan begins at the camera
+  const bool may_surround = fan.size() == 1 || corrected_px_[pixel.nearest] >= from_px_;  // a fan begins at the camera
   if (may_surround && !is_farthest_in && !(is_lidar_valid && !holds_match)) addSurrounded(box, pixel);
 }
 

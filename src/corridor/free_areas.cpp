@@ -57,8 +57,9 @@ int bestArea(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double step_ra
       for (const int up : {-1, 0, 1}) {
         for (const int left : {-1, 0, 1}) beside += is_free(row + up, column + left);
       }
-      const bool is_better = best < 0 || steps < best_steps ||
-                             (steps == best_steps && (beside > best_beside || (beside == best_beside && away_rad < best_rad)));
+      const bool is_better =
+          best < 0 || steps < best_steps ||
+          (steps == best_steps && (beside > best_beside || (beside == best_beside && away_rad < best_rad)));
       if (!is_better) continue;
       best = at, best_steps = steps, best_beside = beside, best_rad = away_rad;
     }

@@ -36,7 +36,8 @@ double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const 
   const Eigen::Isometry3d T_F_C = box_C.T_M_F.inverse();
   double along_m = kInfinity;
   for (const int u : {at_px.x, at_px.br().x}) {
-    for (const int v : {at_px.y, at_px.br().y}) along_m = std::min(along_m, (T_F_C * geometry.point(u, v, depth_m)).x());
+    for (const int v : {at_px.y, at_px.br().y})
+      along_m = std::min(along_m, (T_F_C * geometry.point(u, v, depth_m)).x());
   }
   return std::max(0.0, along_m);
 }

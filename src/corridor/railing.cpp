@@ -167,7 +167,7 @@ float peakOf(float before, float at, float after) {
 
 struct Railings::Window {
   bool is_looked_at = false, fits = false;
-  int own_px = 0;                // where it fits best, at or behind its surface
+  int own_px = 0;               // where it fits best, at or behind its surface
   std::vector<int> offsets_px;  // by which nearer it fits nearly as well
 };
 
@@ -202,7 +202,8 @@ int Railings::wholePixels(double disparity_px) const {
 /// A match counts that is as good as the best at or behind the surface, with a worse one between the two, and between
 /// any two.
 const Railings::Window& Railings::window(int u, int v) {
-  Window& window = windows_[(v - view_.y) / rows_px_ * (view_.width / kBarStride_px + 1) + (u - view_.x) / kBarStride_px];
+  Window& window =
+      windows_[(v - view_.y) / rows_px_ * (view_.width / kBarStride_px + 1) + (u - view_.x) / kBarStride_px];
   if (std::exchange(window.is_looked_at, true) || textureAt(pair_.left, u, v) < kBarTexture) return window;
   const double surface_px = geometry_.disparity(depth_m_.at<float>(v, u));
   const int farthest_px = wholePixels(surface_px / kLargestScale - kBeside_px);

@@ -46,6 +46,12 @@ std::string describeReasons(std::uint32_t reasons) {
   return text;
 }
 
+void Verdict::block(Reason reason, double distance_m) {
+  if (!std::isfinite(distance_m)) return;
+  reasons |= reason;
+  clear_distance_m = std::min(clear_distance_m, distance_m);
+}
+
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m) {
   const double smallest_m2 = std::pow(smallestInspected(config), 2);
   std::uint32_t reasons = 0;

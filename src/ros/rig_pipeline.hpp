@@ -19,8 +19,7 @@ namespace flight_corridor_ros {
 class RigPipeline {
  public:
   /// @param tf_timeout_s waits so long for the corridor's frame.  @param up for a level corridor.
-  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s,
-              UpDirection& up)
+  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s, UpDirection& up)
       : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s), up_(up) {}
 
   /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam

@@ -50,9 +50,7 @@ void diamond(cv::Mat& image, cv::Point at, int radius_px) {
 }
 
 /// Where a direction's box ends.
-Eigen::Vector3d endOf(const FreeArea& area, const Box& box_C) {
-  return box_C.T_M_F * (box_C.size_m.x() * ahead(area));
-}
+Eigen::Vector3d endOf(const FreeArea& area, const Box& box_C) { return box_C.T_M_F * (box_C.size_m.x() * ahead(area)); }
 
 }  // namespace
 

@@ -41,9 +41,9 @@ class BoxPatches {
   struct Point {
     int u, v;
     float disparity_px;
-    float edge_m;            // of its pixel
-    Eigen::Vector3f hit_F;   // as near as noise may have it
-    float fitted_px;         // disparity on the plane
+    float edge_m;           // of its pixel
+    Eigen::Vector3f hit_F;  // as near as noise may have it
+    float fitted_px;        // disparity on the plane
   };
   /// A plane in the image: disparity = a u + b v + c.
   struct Plane;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -47,8 +47,8 @@ class Doubt {
     Eigen::Vector3d size_m;
     std::vector<Candidate> candidates;  // in the order of the pixels
     bool is_doubtful = false;
-    std::vector<double> repeated_m2;    // of repeated matches that are in the box whichever of their places is right,
-                                        // by the place of the match
+    std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their places is right,
+                                      // by the place of the match
 
     void clear() {
       candidates.clear();

@@ -11,9 +11,9 @@ namespace flight_corridor {
 
 /// Section `free_areas/`: the directions that are looked at, a grid about the corridor's axis.
 struct FreeAreasConfig {
-  double yaw_rad = 0.5236;   ///< To the left and to the right, so far.
+  double yaw_rad = 0.5236;    ///< To the left and to the right, so far.
   double pitch_rad = 0.1745;  ///< Up and down, so far.
-  double step_rad = 0.0873;  ///< From a direction to the next.
+  double step_rad = 0.0873;   ///< From a direction to the next.
 };
 /// Every broken rule.
 Violations check(const FreeAreasConfig& config);

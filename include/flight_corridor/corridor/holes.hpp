@@ -13,10 +13,10 @@ namespace flight_corridor {
 
 /// What the newest pair does not show clear of a box.
 struct Unobserved {
-  double hole_m = 0.0;         ///< Edge of the nearest square in which no ray is clear; 0: none hides an obstacle.
-  cv::Rect hole_px;            ///< Where that is on the left image.
-  double hole_depth_m = kNaN;  ///< ... and how far away.
-  double hole_along_m = 0.0;   ///< ... along the box's axis; +inf: there is none.
+  double hole_m = 0.0;           ///< Edge of the nearest square in which no ray is clear; 0: none hides an obstacle.
+  cv::Rect hole_px;              ///< Where that is on the left image.
+  double hole_depth_m = kNaN;    ///< ... and how far away.
+  double hole_along_m = 0.0;     ///< ... along the box's axis; +inf: there is none.
   double fraction = 1.0;         ///< Share of the box's volume without a clear ray, of what both cameras see [0..1].
   double out_of_view = 1.0;      ///< Share of the box's volume that they do not see [0..1].
   double too_near = 1.0;         ///< ... since stereo is blind there.

@@ -56,9 +56,13 @@ struct Verdict {
   double stamp_s = kNaN;  ///< Of the pair that it rests on.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not looked at.
-  double free_distance_m = 0.0;   ///< ... up to which the box is free from its start on; 0: not known.
-  double unknown_fraction = 1.0;  ///< Share, of what both cameras see of the box, that no clear ray crosses; of a query out of view, too [0..1].
+  double free_distance_m = 0.0;    ///< ... up to which the box is free from its start on; 0: not known.
+  double unknown_fraction = 1.0;  ///< Share, of what both cameras see of the box, that no clear ray crosses; of a query
+                                  ///< out of view, too [0..1].
   std::uint32_t reasons = 0;      ///< Bit set of Reason.
+
+  /// @param distance_m to what blocks; +inf: nothing does.
+  void block(Reason reason, double distance_m);
 };
 
 /// What a pair shows of a box.

@@ -29,8 +29,8 @@ class Fan {
     return pitched(pitches_[direction / columns], yawed(yaws_[direction % columns], point_F));
   }
 
-  /// Calls visit(direction, point in the frame of its box) for each box that holds a point, or has it within beside_m of
-  /// its sides and end.
+  /// Calls visit(direction, point in the frame of its box) for each box that holds a point, or has it within beside_m
+  /// of its sides and end.
   template <class Visit>
   void visit(const Eigen::Vector3f& point_F, float beside_m, Visit&& visit) const {
     const Eigen::Vector3f half_m = half_m_.array() + beside_m;
