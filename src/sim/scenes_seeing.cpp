@@ -78,9 +78,11 @@ void rain(Scene& scene, Random& random) {
   addTrunk(scene, random);
 }
 
-/// Rolls by up to 30 degrees and pitches by up to 25, before a trunk and a house that fills the view also then.
+/// Rolls by up to 30 degrees and pitches by up to 25, so high that the corridor does not meet the ground, before a
+/// trunk and a house that fills the view also then.
 void banking(Scene& scene, Random& random) {
   scene.flight.wobble_rad = {0.52, 0.44, 0.05};
+  scene.flight.start_W.z() = 2.3;
   addTrunk(scene, random);
   scene.world.back() = wallAcross(scene.world.back().T_W_O.translation().x(), -20.0, 20.0, 20.0, masonry(random));
 }

@@ -97,7 +97,9 @@ World makeWorld(const std::string& name, std::uint64_t seed) {
     for (const std::string& world : worldNames()) known += " " + world;
     throw std::invalid_argument("unknown world '" + name + "'; known are:" + known);
   }
-  Random random(seed, Stream::Scene);
+  std::uint64_t own = 0;  // of the name: no two worlds of a seed have their trunks at the same places
+  for (const char letter : name) own = 31 * own + static_cast<unsigned char>(letter);
+  Random random(streamSeed(seed, Stream::Scene, own), Stream::Scene);
   World world;
   Scene& scene = world.scene;
   scene.rig = defaultRig();
