@@ -13,7 +13,7 @@ namespace {
 constexpr int kHeight_px = 480;
 constexpr double kPxPerMetre = 24.0;           // from above
 constexpr double kBeside_m = 10.0;             // of the way, shown from above
-constexpr double kLow_m = 0.4, kHigh_m = 3.0;  // what lies below or above is not shown
+constexpr double kLow_m = 0.4, kHigh_m = 2.4;  // what lies below or above is not shown
 const cv::Scalar kPaper(245, 245, 245), kSolid(90, 90, 90), kPerson(60, 60, 200), kTrail(200, 110, 0), kGoal(0, 150, 0);
 
 /// Points whose hull from above is that of a primitive.
@@ -71,7 +71,8 @@ void FlyPictures::add(const sim::Observation& observation, const sim::Way& way, 
 
 void FlyPictures::write(const std::string& path, const std::string& caption) {
   if (picture_.empty()) return;
-  writeCaption(caption, picture_);
+  writeCaption(caption, above_);
+  cv::hconcat(camera_, above_, picture_);
   if (!cv::imwrite(path, picture_)) throw std::runtime_error(path + ": cannot be written");
 }
 
