@@ -1,5 +1,6 @@
 """Simulated flights and the verdicts on them, in a cache: nothing is done again unless what it depends on changed."""
 
+import argparse
 import concurrent.futures
 import pathlib
 import sys
@@ -14,7 +15,15 @@ CACHE = ROOT / "output" / "cache"
 def seed_range(text):
     """A-B, or one number."""
     first, _, last = text.partition("-")
+    if not first.isdigit() or not (last or first).isdigit() or int(last or first) < int(first):
+        raise argparse.ArgumentTypeError(f"A-B, A no larger than B, or one number ({text})")
     return range(int(first), int(last or first) + 1)
+
+
+def positive(text):
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"1 or more ({text})")
+    return int(text)
 
 
 class Replay:

@@ -190,7 +190,7 @@ void Pipeline::decide() {
     verdict.reasons |= kRecentlyBlocked;
   }
   verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown.unobserved, box_C);
+  verdict.free_distance_m = freeDistance(verdict, shown, corridor, box_C);
   report_.clears = isTrusted();
 }
 

@@ -4,7 +4,7 @@
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/pipeline.hpp"
 
-// What is asked about the last pair: other boxes than the corridor.
+// What the last pair says of other boxes than the corridor.
 
 namespace flight_corridor {
 
@@ -59,26 +59,27 @@ Verdict Pipeline::query(const Box& box) const {
           .front();
   verdict.reasons |= reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
   const Unobserved& unobserved = shown.unobserved;
-  verdict.unknown_fraction = unobserved.fraction;
-  if (!is_way) {
-    const double too_near = shareNearer(box_C, kNearestAsked_m);
-    const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
-    verdict.unknown_fraction = unseen + (1.0 - unseen) * unobserved.fraction;
-    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
-  }
+  const double too_near = shareNearer(box_C, kNearestAsked_m);
+  const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
+  double unknown = unseen + (1.0 - unseen) * unobserved.fraction;
+  verdict.unknown_fraction = is_way ? unobserved.fraction : unknown;
+  if (!is_way && unknown > kMostUnknown) verdict.reasons |= kUnobserved;
   verdict.block(kShortRange, beamEndInBox(box_C));
   if (is_cleared_) {
-    verdict.unknown_fraction = std::max(verdict.unknown_fraction, cellsIn(map_.tree(), box).unknown_fraction);
-    if (verdict.unknown_fraction > kMostUnknown) verdict.reasons |= kUnobserved;
+    unknown = std::max(unknown, cellsIn(map_.tree(), box).unknown_fraction);
+    verdict.unknown_fraction = std::max(verdict.unknown_fraction, unknown);
+    if (unknown > kMostUnknown) verdict.reasons |= kUnobserved;
   }
   if (remembers()) {
     const BoxCells remembered = cellsIn(map().tree(), box);
-    if (!is_cleared_) verdict.unknown_fraction = std::min(verdict.unknown_fraction, remembered.unknown_fraction);
     verdict.block(kOccupiedCell, remembered.clear_distance_m);
-    const bool is_known = !unobserved.hasHole() && verdict.unknown_fraction <= kMostUnknown;
+    if (!is_cleared_) unknown = std::min(unknown, remembered.unknown_fraction);
+    verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
+    const bool is_known = !unobserved.hasHole() && unknown <= kMostUnknown;
     if (is_known) verdict.reasons &= ~kUnobserved;  // memory says the rest
   }
   verdict.state = stateOf(verdict.reasons);
+  verdict.free_distance_m = freeDistance(verdict, shown, config_.corridor, box_C);
   return verdict;
 }
 
@@ -104,12 +105,13 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
     verdict.stamp_s = report_.verdict.stamp_s;
     verdict.reasons =
         (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown[i], config_.corridor, verdict.clear_distance_m);
+    if (is_cleared_) verdict.reasons |= kUnobserved;
     verdict.unknown_fraction = shown[i].unobserved.fraction;
     verdict.block(kShortRange, beamEndInBox(box_C));
     if (remembers())
       verdict.block(kOccupiedCell, cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}).clear_distance_m);
     verdict.state = stateOf(verdict.reasons);
-    verdict.free_distance_m = freeDistance(verdict, shown[i].unobserved, box_C);
+    verdict.free_distance_m = freeDistance(verdict, shown[i], config_.corridor, box_C);
   }
   return verdicts;
 }
@@ -133,18 +135,27 @@ LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   scan.first_yaw_rad = yaws_rad.front();
   scan.max_range_m = config_.corridor.length_m;
   const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
-  const Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, config_.corridor.height_m}};
+  Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, boxInCamera().size_m.z()}};
+  ahead_C.T_M_F.translate(config_.corridor.offset_m);
   for (const Verdict& verdict : judge({ahead_C, yaws_rad, {0.0}})) {
-    scan.range_m.push_back(verdict.state == State::Unknown ? kNaN : verdict.clear_distance_m);
+    const double range_m = verdict.state == State::Free ? kInfinity : verdict.free_distance_m;
+    scan.range_m.push_back(range_m > 0.0 ? range_m : kNaN);
   }
   return scan;
 }
 
-/// Whether it is a way that the UAV may take from where it is: then it is judged as the corridor. What of it is out of
-/// view, beside the camera, was seen from farther away, or is where the UAV is.
+/// Whether it is a way that the UAV may take from where it is, as the free areas are: then it is judged as the
+/// corridor. What of it is out of view, beside the camera, was seen from farther away, or is where the UAV is.
 bool Pipeline::beginsAtUav(const Box& box_C) const {
-  const Eigen::Vector3d away_C = box_C.T_M_F.translation() - boxInCamera().T_M_F.translation();
-  return away_C.norm() <= 0.5 * config_.corridor.width_m;
+  const CorridorConfig& corridor = config_.corridor;
+  const Box ahead_C = boxInCamera();
+  const Eigen::Vector3d away_C = box_C.T_M_F.translation() - ahead_C.T_M_F.translation();
+  const Eigen::Vector3d axis_F = ahead_C.T_M_F.linear().transpose() * box_C.T_M_F.linear().col(0);
+  const double half_step_rad = 0.5 * config_.free_areas.step_rad;
+  return away_C.norm() <= 0.5 * corridor.width_m &&
+         (box_C.size_m.tail<2>().array() <= ahead_C.size_m.tail<2>().array() + kTouch_m).all() &&
+         std::abs(std::atan2(axis_F.y(), axis_F.x())) <= config_.free_areas.yaw_rad + half_step_rad &&
+         std::abs(std::asin(std::clamp(axis_F.z(), -1.0, 1.0))) <= config_.free_areas.pitch_rad + half_step_rad;
 }
 
 /// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the

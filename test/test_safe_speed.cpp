@@ -29,6 +29,7 @@ TEST(SafeSpeed, IsTheNumberOfTheLaw) {
   config.margin_m = 0.0;
   EXPECT_NEAR(safeSpeed(4.0, 0.0, config), 3.1410, 0.0001) << "v^2 + 4.5 v - 24 = 0";
   config = SpeedConfig();
+  config.delay_s = 0.1;
   EXPECT_NEAR(safeSpeed(4.0, 0.03, config), 2.7609, 0.0001) << "v^2 + (4.5 + 0.78) v - 22.2 = 0";
 }
 

@@ -124,7 +124,7 @@ TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
   evidence.unobserved.hole_along_m = kInfinity;
   evidence.unobserved.fraction = config.max_unknown_fraction;
   evidence.unobserved.end_out_of_view = 0.3;
-  evidence.unobserved.out_of_view = 1.0;  // near the camera no view is as wide as the box
+  evidence.unobserved.out_of_view = 0.2;  // near the camera no view is as wide as the box
   EXPECT_EQ(reasons(evidence), 0u);
 }
 

@@ -117,8 +117,6 @@ class Pipeline {
   const cv::Mat& depth() const { return depth_m_; }
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
   cv::Mat doubtful() const { return inspector_.doubtful(); }
-  /// What the last frame does not show clear of the corridor's box.
-  const Unobserved& unobserved() const { return inspector_.unobserved(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
   /// What has been learnt of the rig's scale and offset.

@@ -27,7 +27,8 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     const auto& patches = evidence_[i].patches;
     const bool is_blocked = std::any_of(patches.begin(), patches.end(),
                                         [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); });
-    questions_.push_back({is_one || !(is_blocked || evidence_[i].unobserved.hasHole()), is_lidar_valid[i]});
+    const bool is_unknown = !is_blocked && evidence_[i].unobserved.hasHole();
+    questions_.push_back({is_one || !is_unknown, is_lidar_valid[i]});
   }
   workers.run(2, [&](int part, int) {
     if (part == 0) {

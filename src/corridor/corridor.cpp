@@ -75,10 +75,9 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box) {
   return cells;
 }
 
-Box corridorBox(const CorridorConfig& config, const Eigen::Isometry3d& T_M_F, const Eigen::Matrix3d& R_F_D) {
+Box corridorBox(const CorridorConfig& config, const Eigen::Isometry3d& T_M_F) {
   Box box;
   box.T_M_F = T_M_F * Eigen::Translation3d(config.offset_m);
-  box.T_M_F.rotate(R_F_D);
   const double margin = config.margin_m;
   box.size_m = {config.length_m + margin, config.width_m + 2.0 * margin, config.height_m + 2.0 * margin};
   return box;

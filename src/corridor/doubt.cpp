@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "flight_corridor/disjoint_sets.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kInside_px = 0.5;        // so much nearer than the box's end a whole disparity is surely in it
 constexpr double kMostOfObstacle = 0.75;  // its edges are matched on what is behind
 constexpr std::size_t kEnough = 4;        // candidates for each pixel of the image: doubt enough
-constexpr double kSurelyLess = 0.5;       // of the smallest obstacle: by every second pixel it is none
+constexpr double kSurelyLess = 0.5;       // of the smallest obstacle: by half of the pixels it is none
 constexpr double kSurelyMore = 4.0;       // ... it is one
 constexpr int kShared = 16;               // ... but of several boxes each has no more than this part
 
@@ -51,7 +52,7 @@ void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidenc
   prepare(fan, from_m, evidence, correction);
   std::vector<Question> open = questions;
   if (fan.size() > 1) {  // most are decided by every second pixel
-    stride_px_ = 2;
+    looks_at_half_ = true;
     collect(fan, evidence, correction, open);
     for (int i = 0; i < fan.size(); ++i) {
       Direction& direction = directions_[i];
@@ -62,7 +63,7 @@ void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidenc
       direction.is_doubtful = must_be;
     }
   }
-  stride_px_ = 1;
+  looks_at_half_ = false;
   const bool is_any_open = std::any_of(open.begin(), open.end(), [](const Question& one) { return one.is_open; });
   if (is_any_open) collect(fan, evidence, correction, open);
   for (int i = 0; i < fan.size(); ++i) {
@@ -95,7 +96,7 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
 }
 
 /// Of pixels that are matched behind a box, and of repeated matches in it: what else is matched in it is for
-/// BoxPatches. A box that begins at the camera holds all of a ray that is nearer than what it holds.
+/// BoxPatches.
 void Doubt::collect(const Fan& fan, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                     const std::vector<Question>& questions) {
   const float *best_px = evidence.best_px.ptr<float>(), *repeated_px = evidence.repeated_px.ptr<float>();
@@ -103,7 +104,7 @@ void Doubt::collect(const Fan& fan, const DisparityEvidence& evidence, const Sca
   const std::size_t enough = kEnough * pixels / std::min(fan.size(), kShared);
   Pixel pixel;
   for (int i = 0; i < pixels; ++i) {
-    if (i % width % stride_px_ != 0 || i / width % stride_px_ != 0) continue;
+    if (looks_at_half_ && (i % width + i / width) % 2 != 0) continue;
     pixel.is_repeated = !std::isnan(repeated_px[i]);
     pixel.match_px = correction.correct(pixel.is_repeated ? repeated_px[i] : best_px[i]);
     if (std::isnan(pixel.match_px)) continue;
@@ -137,15 +138,18 @@ void Doubt::collect(const Fan& fan, const DisparityEvidence& evidence, const Sca
     if (pixel.has_competitor && pixel.nearest != pixel.farthest) add_competitor(pixel.nearest);
     const auto look = [&](int direction) {
       Direction& box = directions_[direction];
-      if (!questions[direction].is_open || box.is_doubtful) return;
+      if (!questions[direction].is_open || box.is_doubtful || std::exchange(box.looked_at, i) == i) return;
       add(fan, direction, pixel, questions[direction].is_lidar_valid);
       box.is_doubtful = box.candidates.size() >= enough;
     };
     if (fan.size() == 1) {
       look(0);
     } else {
-      fan.visit(point(std::min(corrected_px_[last], from_px_) - kInside_px), 0.0f,
-                [&](int direction, const Eigen::Vector3f&) { look(direction); });
+      const auto look_into_all = [&](const Eigen::Vector3f& point_F) {
+        fan.visit(point_F, 0.0f, [&](int direction, const Eigen::Vector3f&) { look(direction); });
+      };
+      for (const Pixel::Alternative& alternative : pixel.alternatives) look_into_all(alternative.point_F);
+      if (corrected_px_[last] >= from_px_) look_into_all(point(from_px_ - kInside_px));  // it may surround a box
     }
   }
 }
@@ -168,9 +172,9 @@ void Doubt::add(const Fan& fan, int direction, const Pixel& pixel, bool is_lidar
   if (holds_match && is_farthest_in) {
     const auto place = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
     box.repeated_m2[place - corrected_px_.begin()] +=
-        std::pow(stride_px_ * geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
+        pixelArea() * std::pow(geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
   }
-  const bool may_surround = fan.size() == 1 || corrected_px_[pixel.nearest] >= from_px_;  // a fan begins at the camera
+  const bool may_surround = fan.size() == 1 || corrected_px_[pixel.nearest] >= from_px_;
   if (may_surround && !is_farthest_in && !(is_lidar_valid && !holds_match)) addSurrounded(box, pixel);
 }
 
@@ -208,7 +212,7 @@ bool Doubt::holdsPatchAt(int place, double smallest_m2) {
   const double disparity_px = corrected_px_[place];
   if (begin == end || !(disparity_px > 0.0)) return false;
   const double pixel_m = geometry_.pixelEdge(disparity_px);
-  const double enough = smallest_m2 / std::pow(stride_px_ * pixel_m, 2);
+  const double enough = smallest_m2 / (pixelArea() * pixel_m * pixel_m);
   if (static_cast<double>(end - begin) < enough) return false;
   const int width = geometry_.size().width;
   parents_.clear();
@@ -217,8 +221,7 @@ bool Doubt::holdsPatchAt(int place, double smallest_m2) {
   for (const int* pixel = begin; pixel != end; ++pixel) {
     const int u = *pixel % width, v = *pixel / width;
     int label = -1;
-    const auto touch = [&](int left, int up) {
-      const int du = left * stride_px_, dv = up * stride_px_;
+    const auto touch = [&](int du, int dv) {
       if (u + du < 0 || u + du >= width || v + dv < 0) return;
       const int other = labels_[*pixel + dv * width + du];
       if (other < 0) return;
@@ -230,8 +233,9 @@ bool Doubt::holdsPatchAt(int place, double smallest_m2) {
         sizes_[label] += sizes_[at];
       }
     };
-    touch(-1, 0);
-    for (const int du : {-1, 0, 1}) touch(du, -1);
+    touch(looks_at_half_ ? -2 : -1, 0);
+    touch(0, looks_at_half_ ? -2 : -1);
+    for (const int du : {-1, 1}) touch(du, -1);
     if (label < 0) {
       label = static_cast<int>(parents_.size());
       parents_.push_back(label);

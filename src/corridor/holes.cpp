@@ -94,7 +94,9 @@ Holes::Place Holes::place(const Plane& plane, const ScaleCorrection& correction,
   place.shift_px = static_cast<int>(std::lround(measured_px + geometry_.principalPointDifference()));
   place.is_searched = plane.depth_m >= nearest_m;
   const double stride_m = plane.stride_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);
-  place.edge = std::max(1, static_cast<int>(std::ceil((kHole * smallest_m_ - kTouch_m) / stride_m)));
+  const double largest_m = kJustInside * std::min(fan_.box().size_m.y(), fan_.box().size_m.z());
+  place.edge =
+      std::max(1, static_cast<int>(std::ceil((std::min(kHole * smallest_m_, largest_m) - kTouch_m) / stride_m)));
   return place;
 }
 
@@ -215,7 +217,8 @@ void Holes::findHole(int direction, const ClearRays& rays, Unobserved& found) {
     found.hole_depth_m = plane.depth_m;
     found.hole_px = {square.end_u - edge_px + plane.stride_px, square.end_v - edge_px + plane.stride_px, edge_px,
                      edge_px};
-    found.hole_along_m = alongAxis(fan_.box(direction), found.hole_px, plane.depth_m, geometry_);
+    found.hole_along_m =
+        alongAxis(fan_.box(direction), plane.sections[direction].view, plane.depth_m - plane.thick_m, geometry_);
     return;
   }
 }

@@ -26,6 +26,7 @@ constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows
 constexpr int kShared = 3;                 // ... but of several boxes in each this part of them
 constexpr float kBarTexture = 3.0f;        // grey levels: mean gradient along the row in a window's middle
 constexpr int kMiddle_px = 3;              // ... which is so wide and high
+constexpr double kWiderThanHigh = 2.5;     // the view of a row of bars, at least
 constexpr double kLargestScale = 1.2;      // upper bound of true over measured depth
 constexpr double kBeside_px = 2.0;         // so far beside its surface a window may fit
 constexpr int kFewestFitting = 40;         // windows; fewer say nothing
@@ -163,6 +164,13 @@ float peakOf(float before, float at, float after) {
   return at + (curvature > 0.0f ? (after - before) * (after - before) / (8.0f * curvature) : 0.0f);
 }
 
+/// Where a box may hold a railing: a row of bars is wider than high, however narrow the box.
+cv::Rect viewOfRow(const Box& box_C, const StereoGeometry& geometry) {
+  const cv::Rect view = viewOfFarPart(box_C, geometry);
+  const int beside_px = std::max(0, (static_cast<int>(kWiderThanHigh * view.height) - view.width) / 2);
+  return (view + cv::Size(2 * beside_px, 0) - cv::Point(beside_px, 0)) & cv::Rect({}, geometry.size());
+}
+
 }  // namespace
 
 struct Railings::Window {
@@ -180,7 +188,7 @@ void Railings::look(const Fan& fan, const StereoFrame& pair, const cv::Mat& dept
   cv::Rect view;
   int area_px = 0;
   for (int i = 0; i < fan.size(); ++i) {
-    const cv::Rect part = viewOfFarPart(fan.box(i), geometry_);
+    const cv::Rect part = viewOfRow(fan.box(i), geometry_);
     view |= part;
     area_px = std::max(area_px, part.area());
   }
@@ -231,7 +239,7 @@ const Railings::Window& Railings::window(int u, int v) {
 }
 
 bool Railings::mayBeIn(const Box& box_C, bool is_lidar_valid) {
-  const cv::Rect view = viewOfFarPart(box_C, geometry_) & view_;
+  const cv::Rect view = viewOfRow(box_C, geometry_) & view_;
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
   const int end_px = wholePixels(kSmallestScale * geometry_.disparity(end_m));

@@ -10,7 +10,13 @@ namespace {
 constexpr double kWeakShare = 0.25;          // of the smallest obstacle's area: too much for chance
 constexpr int kWeak_px = 12;                 // so are so many matches, though so near that they cover less
 constexpr double kTooNear = 0.1;             // of the box
+constexpr double kOutOfView = 0.2;           // of the box: beside the camera it is narrower than the box
 constexpr double kEndOutOfView = 1.0 / 3.0;  // of the box's last quarter: the rest was seen from farther away
+
+/// Too large for chance.
+bool isWeak(const BoxPatch& patch, double smallest_m2) {
+  return patch.in_box_px >= kWeak_px || patch.in_box_m2 > kWeakShare * smallest_m2;
+}
 
 }  // namespace
 
@@ -60,22 +66,31 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
     if (patch.blocks(smallest_m2)) {
       reasons |= kOccupiedCell;
       clear_distance_m = std::min(clear_distance_m, patch.begin_m);
-    } else if (patch.in_box_px >= kWeak_px || patch.in_box_m2 > kWeakShare * smallest_m2) {
+    } else if (isWeak(patch, smallest_m2)) {
       reasons |= kWeakEvidence;
     }
   }
   if (reasons & kOccupiedCell) reasons &= ~kWeakEvidence;
   const Unobserved& unobserved = evidence.unobserved;
   const bool is_seen = !unobserved.hasHole() && unobserved.fraction <= config.max_unknown_fraction &&
-                       unobserved.too_near <= kTooNear && unobserved.end_out_of_view <= kEndOutOfView;
+                       unobserved.too_near <= kTooNear && unobserved.out_of_view <= kOutOfView &&
+                       unobserved.end_out_of_view <= kEndOutOfView;
   if (!is_seen) reasons |= kUnobserved;
   if (evidence.is_ambiguous) reasons |= kAmbiguous;
   return reasons;
 }
 
-double freeDistance(const Verdict& verdict, const Unobserved& unobserved, const Box& box) {
-  if (verdict.state == State::Unknown) return 0.0;
-  return std::min({verdict.clear_distance_m, unobserved.hole_along_m, box.size_m.x()});
+double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box) {
+  constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kUnobserved | kRecentlyBlocked | kWeakEvidence |
+                                       kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved;
+  const Unobserved& unobserved = evidence.unobserved;
+  const bool is_believed = (verdict.reasons & ~kSaysWhere) == 0 && unobserved.too_near <= kTooNear;
+  if (verdict.state == State::Unknown || !is_believed) return 0.0;
+  double free_m = std::min({verdict.clear_distance_m, unobserved.hole_along_m, box.size_m.x()});
+  for (const BoxPatch& patch : evidence.patches) {
+    if (isWeak(patch, std::pow(smallestInspected(config), 2))) free_m = std::min(free_m, patch.begin_m);
+  }
+  return free_m;
 }
 
 std::uint32_t reasonsOf(const TrackedRange& tracked) {

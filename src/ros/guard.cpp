@@ -18,11 +18,13 @@ using flight_corridor::FreeAreas;
 constexpr double kAlone_rad = 0.0873;  // step of a grid of one direction: the default of free_areas/step_rad
 constexpr double kReach = 0.9;         // of a step: directions that are nearer than this to a command's limit it
 
-/// Whether a message is as its definition says: all arrays are of one size.
+/// Whether a message is as its definition says: all arrays are of one size, all angles finite.
 bool isComplete(const FreeAreas& areas) {
+  const auto finite = [](double angle_rad) { return std::isfinite(angle_rad); };
   const std::size_t count = static_cast<std::size_t>(areas.rows) * areas.columns;
   return count > 0 && areas.yaw.size() == count && areas.pitch.size() == count && areas.state.size() == count &&
-         areas.safe_speed.size() == count;
+         areas.safe_speed.size() == count && std::all_of(areas.yaw.begin(), areas.yaw.end(), finite) &&
+         std::all_of(areas.pitch.begin(), areas.pitch.end(), finite);
 }
 
 /// From a direction to the next.
@@ -113,7 +115,7 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
   if (speed_mps == 0.0) return out;
   const double yaw_rad = std::atan2(wanted.y(), wanted.x());
   const double pitch_rad = std::atan2(wanted.z(), std::hypot(wanted.x(), wanted.y()));
-  const double safe_mps = safeSpeed(yaw_rad, pitch_rad, time, out.why);
+  const double safe_mps = safeSpeed(yaw_rad, pitch_rad, command.twist.angular.z, time, out.why);
   const double share = std::min(1.0, safe_mps / speed_mps);
   if (share == 1.0) out.why.clear();
   out.twist.linear.x = share * wanted.x();
@@ -122,29 +124,34 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
   return out;
 }
 
-/// Of all directions of the grid that the UAV touches on its way in this one; straight ahead also of the corridor,
-/// which knows more.
-double Guard::safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const {
+/// The least of all directions of the grid within reach of this one, and of those that it turned through since their
+/// image; straight ahead also of the corridor, which knows more.
+double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
+                        std::string& why) const {
   const FreeAreas& areas = areas_.message;
   if (!isFresh(areas_, config_.max_age_s, time) || !isComplete(areas)) {
     why = "no free_areas, or too old ones (max_age_s)";
     return 0.0;
   }
   const double step_rad = stepOf(areas);
-  double nearest_rad = flight_corridor::kInfinity, safe_mps = flight_corridor::kInfinity;
+  const double turned_rad = turn_rate_rad_s * std::max(0.0, time.now.toSec() - areas.header.stamp.toSec());
+  const double rightmost_rad = yaw_rad + std::min(0.0, turned_rad), leftmost_rad = yaw_rad + std::max(0.0, turned_rad);
+  double right_rad = flight_corridor::kInfinity, left_rad = flight_corridor::kInfinity;  // to the nearest direction
+  double safe_mps = flight_corridor::kInfinity;
   bool is_ahead = false;
   for (std::size_t i = 0; i < areas.yaw.size(); ++i) {
-    const double yaw_off_rad = std::abs(areas.yaw[i] - yaw_rad), pitch_off_rad = std::abs(areas.pitch[i] - pitch_rad);
-    const double off_rad = std::max(yaw_off_rad, pitch_off_rad);
-    nearest_rad = std::min(nearest_rad, off_rad);
-    if (!(off_rad <= kReach * step_rad)) continue;
+    const double up_rad = std::abs(areas.pitch[i] - pitch_rad);
+    right_rad = std::min(right_rad, std::max(up_rad, std::abs(areas.yaw[i] - rightmost_rad)));
+    left_rad = std::min(left_rad, std::max(up_rad, std::abs(areas.yaw[i] - leftmost_rad)));
+    const double aside_rad = std::max({0.0, rightmost_rad - areas.yaw[i], areas.yaw[i] - leftmost_rad});
+    if (!(std::max(up_rad, aside_rad) <= kReach * step_rad)) continue;
     const bool is_free = areas.state[i] != FreeAreas::UNKNOWN && areas.safe_speed[i] > 0.0;
     safe_mps = std::min(safe_mps, is_free ? areas.safe_speed[i] : 0.0);
     is_ahead = is_ahead || (std::abs(areas.yaw[i]) < 1e-6 && std::abs(areas.pitch[i]) < 1e-6);
   }
   why = "the safe speed " + degrees(yaw_rad, pitch_rad) + " is lower";
-  if (!(nearest_rad <= 0.5 * step_rad)) {
-    why = "nothing is known " + degrees(yaw_rad, pitch_rad) + ", beside the directions of free_areas";
+  if (!(std::max(right_rad, left_rad) <= 0.5 * step_rad)) {
+    why = "nothing is known " + degrees(yaw_rad, pitch_rad) + ", outside the directions of free_areas";
     return 0.0;
   }
   if (!is_ahead) return safe_mps;

@@ -16,7 +16,7 @@ struct GuardConfig {
   bool stamped = false;                ///< Commands are TwistStamped, in and out; else Twist.
   std::string frame_id = "base_link";  ///< Of stamped commands, x along the corridor; others are refused.
   double rate_hz = 20.0;               ///< At which commands go out, whatever comes in.
-  double max_age_s = 0.5;              ///< An older verdict is none.
+  double max_age_s = 0.2;              ///< An older verdict is none.
   double command_age_s = 0.5;          ///< An older command is none.
 };
 
@@ -62,7 +62,8 @@ class Guard {
   static void take(const Message& message, const GuardTime& time, Latest<Message>& latest);
   template <typename Message>
   static bool isFresh(const Latest<Message>& latest, double max_age_s, const GuardTime& time);
-  double safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const;
+  double safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
+                   std::string& why) const;
 
   GuardConfig config_;
   Latest<flight_corridor::FreeAreas> areas_;

@@ -119,7 +119,10 @@ int main(int argc, char** argv) {
       .optional("baseline-error", "E", "(true - announced) / announced baseline", "0")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, as simulate --list-lidar-faults", "none")
       .optional("patience", "S", "a flight is given up after so long", "60")
-      .optional("config", "F.yaml", "configuration", "")
+      .optional("config", "F.yaml",
+                "configuration; image size, rule and quadrotor decide on stereo/num_disparities_px, map/frame_id and "
+                "speed/delay_s, and on the least corridor/smallest_obstacle_m",
+                "")
       .repeatable("set", "key=value", "override one key of it")
       .optional("video", "F.avi", "the flight from the camera and from above")
       .optional("pictures", "DIR", "the last picture of it")

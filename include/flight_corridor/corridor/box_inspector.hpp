@@ -39,14 +39,12 @@ class BoxInspector {
 
   /// @param from_m depth from which on the boxes must be seen.
   /// @param is_lidar_valid a direction: the LiDAR measured what its beam meets in the view of the box's end.
-  /// @return a direction; valid until the next call. Where there are several, doubt is looked for only where nothing
-  /// else is against the box, and no patches beside it.
+  /// @return a direction; valid until the next call. Where there are several, doubt is not looked for where the
+  /// box is UNKNOWN anyway, nor patches beside it.
   const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, double from_m, double smallest_m,
                                           const std::vector<bool>& is_lidar_valid, BandWorkers& workers);
 
-  /// Of the last, or the first direction's, box.
-  const Unobserved& unobserved() const { return evidence_.front().unobserved; }
-  /// CV_8UC1, 255: pixels that are matched behind it, but fit in it as well.
+  /// CV_8UC1, 255: pixels that are matched behind the first direction's box, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
 
  private:

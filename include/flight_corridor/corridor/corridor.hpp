@@ -13,7 +13,7 @@ namespace flight_corridor {
 /// Section `corridor/`: the UAV-sized box ahead, and when it is not FREE.
 struct CorridorConfig {
   std::string frame_id;   ///< "" = along the left camera's optical axis; else along +x of this frame, by tf.
-  bool level = false;     ///< Level, and along the heading: the UAV may roll and pitch.
+  bool level = false;     ///< Level, along the heading: whoever calls pointAlong() sees to it.
   double width_m = 1.2;   ///< Of the UAV with what it needs beside it.
   double height_m = 0.4;  ///< Of the UAV with what it needs above and below.
   double length_m = 4.0;  ///< D_min: nearer obstacles block.
@@ -40,8 +40,6 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box);
 
 /// The configured box, margin and offset applied, in a frame M.
 /// @param T_M_F frame that the corridor belongs to (x forward) in M.
-/// @param R_F_D turns it about its start.
-Box corridorBox(const CorridorConfig& config, const Eigen::Isometry3d& T_M_F,
-                const Eigen::Matrix3d& R_F_D = Eigen::Matrix3d::Identity());
+Box corridorBox(const CorridorConfig& config, const Eigen::Isometry3d& T_M_F);
 
 }  // namespace flight_corridor

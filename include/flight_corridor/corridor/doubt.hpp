@@ -47,11 +47,13 @@ class Doubt {
     Eigen::Vector3d size_m;
     std::vector<Candidate> candidates;  // in the order of the pixels
     bool is_doubtful = false;
+    int looked_at = -1;               // last pixel that was looked at
     std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their places is right,
                                       // by the place of the match
 
     void clear() {
       candidates.clear();
+      looked_at = -1;
       is_doubtful = false;
       std::fill(repeated_m2.begin(), repeated_m2.end(), 0.0);
     }
@@ -64,6 +66,8 @@ class Doubt {
                const std::vector<Question>& questions);
   void add(const Fan& fan, int direction, const Pixel& pixel, bool is_lidar_valid);
   void addSurrounded(Direction& box, const Pixel& pixel) const;
+  /// Of one that is looked at, and what stands for it [px].
+  double pixelArea() const { return looks_at_half_ ? 2.0 : 1.0; }
   bool isDoubtful(const Direction& direction, double smallest_m2);
   static bool holdsRepeated(const Direction& direction, double smallest_m2);
   bool holdsPatch(const Direction& direction, double smallest_m2);
@@ -73,7 +77,7 @@ class Doubt {
   double first_px_;
   double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
   std::vector<double> corrected_px_;     // a place
-  int stride_px_ = 1;                    // of the pixels that are looked at
+  bool looks_at_half_ = false;           // of the pixels, as on the black fields of a chessboard
   std::vector<Direction> directions_;
   std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
   std::vector<int> labels_;             // a pixel; -1: none

@@ -6,7 +6,7 @@ namespace flight_corridor {
 
 /// Section `speed/`: how the UAV brakes.
 struct SpeedConfig {
-  double delay_s = 0.1;  ///< From a verdict to where the UAV begins to brake; the verdict's own age comes on top.
+  double delay_s = 0.3;  ///< From a verdict to where the UAV begins to brake; the verdict's own age comes on top.
   double acceleration_mps2 = 3.0;  ///< With which it brakes.
   double jerk_mps3 = 8.0;          ///< With which it begins to.
   double margin_m = 0.3;           ///< Left between the stopped UAV and what is not free.

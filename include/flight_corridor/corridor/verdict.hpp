@@ -69,9 +69,9 @@ struct Verdict {
 /// @param clear_distance_m to what blocks; +inf: nothing does.
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m);
 
-/// How far a box is free from its start on: up to its end, to what blocks it, or to where something could hide before
-/// that; 0 where the verdict is UNKNOWN [m].
-double freeDistance(const Verdict& verdict, const Unobserved& unobserved, const Box& box);
+/// How far a box is free from its start on: up to its end, to what blocks it, or to what may before that, in sight or
+/// in a hole. 0 where the verdict is UNKNOWN, or would be if nothing blocked, for more than holes [m].
+double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box);
 
 /// What the two sensors say of the beam.
 std::uint32_t reasonsOf(const TrackedRange& tracked);
