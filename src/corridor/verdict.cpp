@@ -10,7 +10,7 @@ namespace {
 constexpr double kWeakShare = 0.25;          // of the smallest obstacle's area: too much for chance
 constexpr int kWeak_px = 12;                 // so are so many matches, though so near that they cover less
 constexpr double kTooNear = 0.1;             // of the box
-constexpr double kOutOfView = 0.2;           // of the box: beside the camera it is narrower than the box
+constexpr double kOutOfView = 0.25;          // of the box: beside the camera it is narrower than the box
 constexpr double kEndOutOfView = 1.0 / 3.0;  // of the box's last quarter: the rest was seen from farther away
 
 /// Too large for chance.
