@@ -37,7 +37,7 @@ struct GuardedCommand {
 };
 
 /// Limits a velocity to the safe speed of the direction in which it points. Commands are in the corridor's frame: x
-/// along its axis, y left, z up. What points beside the directions of free_areas (aside, back, steeply up or down) is
+/// along its axis, y left, z up. What points outside the directions of free_areas (aside, back, steeply up or down) is
 /// not flown; turning always is. No verdict, or an old one, allows no speed; no command, or an old one, is a stop.
 class Guard {
  public:
