@@ -11,7 +11,7 @@ from flight_corridor.msg import FreeAreas
 from geometry_msgs.msg import Vector3Stamped
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import Marker, MarkerArray
-from wall_rig import CAMERA, DISPARITY_PX, HEIGHT_PX, WALL_M, WIDTH_PX, WallRig
+from wall_rig import CAMERA, DISPARITY_PX, HEIGHT_PX, WALL_M, WIDTH_PX, WallRig, received
 
 NODE = "/flight_corridor/"
 FAR_PX = 6  # of disparity: 7 m
@@ -32,18 +32,10 @@ class FreeAreasTopics(unittest.TestCase):
 
     def until(self, holds, topic="free_areas"):
         """The first message that comes from now on and meets a condition."""
-        received = []
-        subscriber = rospy.Subscriber(NODE + topic, {"free_areas": FreeAreas, "free_areas/image": Image}.get(
-            topic, MarkerArray), received.append, queue_size=5)
-        end = time.time() + PATIENCE_S
-        while time.time() < end:
-            for message in list(received):
-                if holds(message):
-                    subscriber.unregister()
-                    return message
-            time.sleep(0.02)
-        self.fail("no such message; the last was %s" % (received[-1:],))
-        return None
+        kind = {"free_areas": FreeAreas, "free_areas/image": Image}.get(topic, MarkerArray)
+        message = received(NODE + topic, kind, holds, PATIENCE_S)
+        self.assertIsNotNone(message, "no such message")
+        return message
 
     def show(self, disparity_px):
         self.rig.disparity_px = disparity_px

@@ -11,7 +11,7 @@ import tf2_ros
 from geometry_msgs.msg import Quaternion, TransformStamped
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
-from wall_rig import CAMERA, DISPARITY_PX, WALL_M, WallRig, mounting
+from wall_rig import CAMERA, DISPARITY_PX, WALL_M, WallRig, mounting, received
 
 FAR_PX = 6  # of disparity: 7 m
 LENGTH_M = 4.0  # corridor/length_m
@@ -45,17 +45,9 @@ class Scan(unittest.TestCase):
         cls.broadcast += [transform.child_frame_id for transform in message.transforms]
 
     def until(self, holds):
-        received = []
-        subscriber = rospy.Subscriber("/flight_corridor/scan", LaserScan, received.append, queue_size=5)
-        end = time.time() + PATIENCE_S
-        while time.time() < end:
-            for message in list(received):
-                if holds(message):
-                    subscriber.unregister()
-                    return message
-            time.sleep(0.02)
-        self.fail("no such scan; the last was %s" % (received[-1:],))
-        return None
+        message = received("/flight_corridor/scan", LaserScan, holds, PATIENCE_S)
+        self.assertIsNotNone(message, "no such scan")
+        return message
 
     def test_1_nobody_listens_and_nothing_is_broadcast(self):
         time.sleep(2.0)

@@ -71,6 +71,22 @@ TEST(PipelineFreeAreas, StraightAheadIsTheCorridor) {
   EXPECT_EQ(flight.pipeline.query(flight.pipeline.box()).state, corridor.state);
 }
 
+TEST(PipelineFreeAreas, ABoxThatBeginsAtTheUavButIsNoWayIsNotExcusedForBeingOutOfView) {
+  AfterAFlight flight("wide_gap", 1);
+  ASSERT_EQ(flight.last.state, State::Free);
+  const Box corridor = flight.pipeline.box();
+  EXPECT_EQ(flight.pipeline.query(corridor).state, State::Free);
+  for (const double yaw_rad : {1.0, -1.0, M_PI}) {
+    Box turned = corridor;
+    turned.T_M_F.translate(Eigen::Vector3d(0.5, 0.0, 0.0));
+    turned.T_M_F.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+    EXPECT_EQ(flight.pipeline.query(turned).state, State::Unknown) << yaw_rad;
+  }
+  Box wide = corridor;
+  wide.size_m.y() = 6.0;
+  EXPECT_NE(flight.pipeline.query(wide).state, State::Free);
+}
+
 TEST(PipelineFreeAreas, NothingIsFreeBeforeThereIsAPair) {
   AfterAFlight flight("forest", 0);
   Pipeline fresh(flight.pipeline.config(), flight.pipeline.geometry(), Rig());

@@ -128,6 +128,26 @@ TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
   EXPECT_EQ(reasons(evidence), 0u);
 }
 
+TEST(Verdict, WhatIsFreeBeforeAnObstacleIsBelievedOnlyOfPairsThatWouldBe) {
+  const Box box{Eigen::Isometry3d::Identity(), {4.0, 1.2, 0.4}};
+  BoxEvidence evidence = clearBox();
+  evidence.patches = {patch(2.0, 3.0)};
+  Verdict verdict;
+  verdict.state = State::Blocked;
+  verdict.clear_distance_m = 3.0;
+  verdict.reasons = kOccupiedCell;
+  EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 3.0);
+  for (const Reason reason : {kFrozenImage, kBadImage, kNoDisparity, kAmbiguous, kLidarNearer, kNoData, kNoPose}) {
+    verdict.reasons = kOccupiedCell | reason;
+    EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 0.0) << describeReasons(reason);
+  }
+  verdict.reasons = kOccupiedCell | kUnobserved;
+  evidence.unobserved.hole_along_m = 2.0;
+  EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 2.0) << "something may hide in the hole";
+  evidence.patches.push_back(patch(0.3, 1.0));
+  EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 1.0) << "weak evidence before it";
+}
+
 TEST(Verdict, WhatFitsInTheBoxAsWellIsAmbiguousBesideWhatBlocks) {
   BoxEvidence evidence = clearBox();
   evidence.is_ambiguous = true;

@@ -1,5 +1,7 @@
 """A rig before a wall, for rostests: stereo pair, calibration, LiDAR and tf at 10 Hz of wall time."""
 
+import time
+
 import numpy
 import rospy
 import tf2_ros
@@ -72,3 +74,19 @@ def mounting():
     edge.transform.rotation.x, edge.transform.rotation.y = 0.5, -0.5
     edge.transform.rotation.z, edge.transform.rotation.w = 0.5, 0.5
     return edge
+
+
+def received(topic, kind, holds, patience_s):
+    """The first message of a topic that fulfils a condition; None if none did in time."""
+    messages = []
+    subscriber = rospy.Subscriber(topic, kind, messages.append, queue_size=5)
+    end = time.time() + patience_s
+    try:
+        while time.time() < end:
+            for message in list(messages):
+                if holds(message):
+                    return message
+            time.sleep(0.02)
+        return None
+    finally:
+        subscriber.unregister()
