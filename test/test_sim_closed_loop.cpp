@@ -53,6 +53,20 @@ TEST(ClosedLoop, ACollisionEndsTheFlightAtWhatIsHit) {
   ASSERT_TRUE(flown.hit);
   EXPECT_EQ(flown.hit->shape, Shape::Cylinder);
   EXPECT_NEAR(flown.distance_m, 5.0 - 0.2 - 0.25, 0.1);
+  EXPECT_GT(flown.hit_speed_mps, 1.5);
+  EXPECT_LE(flown.unseen_s, 0.15);  // the trunk was ahead in the last pair
+}
+
+TEST(ClosedLoop, TellsForHowLongWhatWasHitHadBeenOutOfView) {
+  World world = plainWorld();
+  Random random(6, Stream::Scene);
+  world.scene.world.push_back(uprightPole(0.0, 3.0, 0.2, 5.0, bark(random)));
+  world.scene.world.back().velocity_W.y() = -1.0;  // from beside, into the UAV that waits
+  const Way waits{Eigen::Vector3d::UnitX(), 0.0, 0.0};
+  const Flown flown = ClosedLoop(world, quick(), 1).fly([&](const Observation&) { return waits; });
+  ASSERT_TRUE(flown.hit);
+  EXPECT_EQ(flown.unseen_s, kInfinity);
+  EXPECT_LT(flown.hit_speed_mps, 0.05);
 }
 
 TEST(ClosedLoop, GivesUpWhereThereIsNoWay) {

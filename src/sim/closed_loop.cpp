@@ -53,6 +53,7 @@ Flown ClosedLoop::fly(const Rule& rule, const std::function<void(const Observati
     flyUntil(stamp_s, observation);
     if (flown_.ending != Ending::GivenUp || stamp_s > options_.patience_s) break;
     observation.pair = takePair(i);
+    pairs_.emplace_back(quadrotor_.time_s(), quadrotor_.T_W_B());
     observation.own = {quadrotor_.T_W_B(), quadrotor_.velocity_W_mps()};
     if (!observation.imu.empty()) observation.own.T_W_B.linear() = observation.imu.back().R_W_B.toRotationMatrix();
     const Way way = rule(observation);
@@ -117,11 +118,29 @@ void ClosedLoop::checkAirframe() {
   for (const Primitive& near : primitivesNear(now, quadrotor_.T_W_B().translation(), around_m)) {
     flown_.nearest_m = std::min(flown_.nearest_m, gapBetween(T_W_F, options_.airframe_m, near));
     if (flown_.nearest_m >= 1e-3) continue;
-    flown_.nearest_m = 0.0;
-    flown_.ending = Ending::Collision;
-    flown_.hit = near;
+    noteCollision(near);
     return;
   }
+}
+
+void ClosedLoop::noteCollision(const Primitive& hit) {
+  flown_.nearest_m = 0.0;
+  flown_.ending = Ending::Collision;
+  flown_.hit = hit;
+  flown_.hit_speed_mps = quadrotor_.velocity_W_mps().norm();
+  const Eigen::Vector3d away_O = hit.T_W_O.inverse() * quadrotor_.T_W_B().translation();
+  const Eigen::Vector3d place_W = hit.T_W_O * away_O.cwiseMin(hit.half_m).cwiseMax(-hit.half_m);
+  const auto shows = [&](const std::pair<double, Eigen::Isometry3d>& pair) {
+    const double before_s = flown_.time_s - pair.first;
+    const Camera camera = leftCamera(world_.scene.rig, pair.second);
+    const Eigen::Vector3d place_C = camera.T_W_C.inverse() * (place_W - before_s * hit.velocity_W);
+    const double u_px = camera.fx_px * place_C.x() / place_C.z() + camera.cx_px;
+    const double v_px = camera.fy_px * place_C.y() / place_C.z() + camera.cy_px;
+    return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px &&
+           v_px < camera.size_px.height;
+  };
+  const auto last = std::find_if(pairs_.rbegin(), pairs_.rend(), shows);
+  flown_.unseen_s = last == pairs_.rend() ? kInfinity : flown_.time_s - last->first;
 }
 
 }  // namespace flight_corridor::sim

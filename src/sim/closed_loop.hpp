@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -54,6 +55,8 @@ struct Flown {
   int stops = 0;                 ///< From above 0.5 to below 0.1 m/s.
   double nearest_m = kInfinity;  ///< Of the airframe to anything, at last 0 in a collision.
   std::optional<Primitive> hit;  ///< What was touched, where it was then.
+  double hit_speed_mps = kNaN;   ///< Of the UAV.
+  double unseen_s = kNaN;        ///< How long before the collision the left image last showed the place that was hit.
 };
 
 /// Flies a world by a rule.
@@ -74,6 +77,7 @@ class ClosedLoop {
   void flyUntil(double time_s, Observation& next);
   void feel(Observation& next);
   void checkAirframe();
+  void noteCollision(const Primitive& hit);
 
   World world_;
   ClosedLoopOptions options_;
@@ -82,6 +86,7 @@ class ClosedLoop {
   Lidar lidar_;
   Imu imu_;
   Flown flown_;
+  std::vector<std::pair<double, Eigen::Isometry3d>> pairs_;  // when and where they were taken: time [s], T_W_B
   bool is_moving_ = false;
 };
 
