@@ -103,9 +103,26 @@ TEST_F(GoalDirectionTest, OfAFrameThatTfDoesNotKnowIsWarnedOfAndCountsOnceItDoes
   goal.put(wish("odom", {1.0, 0.0, 0.0}), kNow);
   testing::internal::CaptureStderr();
   EXPECT_FALSE(goal.find(camera));
-  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "tf gave no pose of \"odom\" (goal_direction)"));
+  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "tf does not connect \"odom\" (goal_direction)"));
   place("odom", "base_link", Eigen::Isometry3d::Identity(), kNow);
   EXPECT_TRUE(goal.find(camera));
+}
+
+TEST_F(GoalDirectionTest, WhereTfIsLateItsNewestPoseCounts) {
+  goal.put(wish("odom", {1.0, 0.0, 0.0}), kNow);
+  for (const double left_rad : {0.2, 0.5}) {
+    camera.stamp += ros::Duration(0.1);
+    place("odom", "base_link", Eigen::Isometry3d(Eigen::AngleAxisd(left_rad, Eigen::Vector3d::UnitZ())), camera.stamp);
+  }
+  EXPECT_NEAR(goal.find(camera)->x(), std::sin(0.5), 1e-9);
+  camera.stamp += ros::Duration(0.1);
+  testing::internal::CaptureStderr();
+  const auto direction_C = goal.find(camera);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_TRUE(direction_C);
+  EXPECT_NEAR(direction_C->x(), std::sin(0.5), 1e-9);
+  camera.stamp -= ros::Duration(0.2);
+  EXPECT_NEAR(goal.find(camera)->x(), std::sin(0.2), 1e-9) << "that of its stamp, where it is there";
 }
 
 }  // namespace
