@@ -37,5 +37,17 @@ TEST(Config, AMapThatEndsBeforeTheCorridorIsRefused) {
   EXPECT_EQ(check(config).size(), 1u) << "the box ends 0.5 m farther";
 }
 
+TEST(Config, ASpeedMarginThatLeavesNothingOfTheCorridorIsRefusedAndBothAreNamed) {
+  Config config;
+  config.speed.margin_m = config.corridor.length_m;
+  ASSERT_EQ(check(config).size(), 1u);
+  EXPECT_NE(check(config).front().find("speed/margin_m: below corridor/length_m"), std::string::npos);
+  EXPECT_NE(check(config).front().find("(4)"), std::string::npos);
+  config.speed.margin_m = config.corridor.length_m - 0.1;
+  EXPECT_TRUE(check(config).empty());
+  config.corridor.length_m = 0.5;  // blind_m is 0.4
+  EXPECT_EQ(check(config).size(), 1u);
+}
+
 }  // namespace
 }  // namespace flight_corridor
