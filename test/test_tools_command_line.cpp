@@ -77,6 +77,22 @@ TEST_F(CommandLineTest, NamesAValueThatIsNoNumberOrTooSmall) {
   EXPECT_THROW(other.number("nan", 0.1), UsageError);
 }
 
+TEST_F(CommandLineTest, NamesTheLimitThatAValueBreaks) {
+  options.parse({"--in", "a", "--rate", "300"});
+  EXPECT_EQ(options.number("rate", 1.0), 300.0);
+  EXPECT_EQ(options.number("rate", 1.0, 300.0), 300.0);
+  const auto complaint = [&](double minimum, double maximum) {
+    try {
+      options.number("rate", minimum, maximum);
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint(1.0, 200.0), "--rate: must be at most 200 (300)");
+  EXPECT_EQ(complaint(400.0, 500.0), "--rate: must be at least 400 (300)");
+}
+
 TEST_F(CommandLineTest, ExitsWithTwoForUsageOneForFailureZeroForHelp) {
   const auto fail = []() -> int { throw std::runtime_error("a.bag: cannot be read"); };
   EXPECT_EQ(exitCode({"--in", "a"}, [] { return 0; }), 0);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -32,10 +33,11 @@ long parseInteger(const std::string& name, const std::string& text) {
 }
 
 template <typename Number>
-Number atLeast(const std::string& name, Number value, Number minimum) {
-  if (minimum <= value) return value;
+Number within(const std::string& name, Number value, Number minimum, Number maximum) {
+  if (minimum <= value && value <= maximum) return value;
   std::ostringstream message;
-  message << "--" << name << ": must be at least " << minimum << " (" << value << ")";
+  message << "--" << name << ": must be at " << (value > maximum ? "most " : "least ")
+          << (value > maximum ? maximum : minimum) << " (" << value << ")";
   throw UsageError(message.str());
 }
 
@@ -130,12 +132,12 @@ std::string CommandLine::text(const std::string& name) const {
 
 const std::vector<std::string>& CommandLine::all(const std::string& name) const { return option(name).values; }
 
-double CommandLine::number(const std::string& name, double minimum) const {
-  return atLeast(name, parseNumber(name, text(name)), minimum);
+double CommandLine::number(const std::string& name, double minimum, double maximum) const {
+  return within(name, parseNumber(name, text(name)), minimum, maximum);
 }
 
 long CommandLine::integer(const std::string& name, long minimum) const {
-  return atLeast(name, parseInteger(name, text(name)), minimum);
+  return within(name, parseInteger(name, text(name)), minimum, std::numeric_limits<long>::max());
 }
 
 std::string CommandLine::help() const {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -45,8 +46,9 @@ class CommandLine {
   /// The value given, else the fallback.
   std::string text(const std::string& name) const;
   const std::vector<std::string>& all(const std::string& name) const;
-  /// @throws UsageError naming the option when its value is not a number >= minimum.
-  double number(const std::string& name, double minimum) const;
+  /// @throws UsageError naming the option when its value is not a number from minimum to maximum.
+  double number(const std::string& name, double minimum,
+                double maximum = std::numeric_limits<double>::infinity()) const;
   long integer(const std::string& name, long minimum) const;
 
   const std::string& tool() const { return tool_; }

@@ -26,9 +26,9 @@ std::string lines(const std::vector<std::string>& names) {
 
 sim::ClosedLoopOptions loopOptions(const CommandLine& options, const SpeedConfig& speed) {
   sim::ClosedLoopOptions loop;
-  loop.rate_hz = options.number("rate", 1.0);
-  loop.image_scale = options.number("image-scale", 0.1);
-  loop.baseline_error = options.number("baseline-error", -0.5);
+  loop.rate_hz = options.number("rate", 1.0, 200.0);
+  loop.image_scale = options.number("image-scale", 0.1, 4.0);
+  loop.baseline_error = options.number("baseline-error", -0.5, 0.5);
   loop.lidar_fault.kind = sim::lidarFaultFromName(options.text("lidar-fault"));
   loop.patience_s = options.number("patience", 1.0);
   loop.speed = speed;
@@ -114,9 +114,9 @@ int main(int argc, char** argv) {
       .optional("seed", "N", "varies the world and the noise", "0")
       .optional("rule", "NAME", "what decides: corridor (this package), newest (it, without memory), paper or stock",
                 "corridor")
-      .optional("rate", "HZ", "stereo pairs per second", "10")
-      .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240", "0.5")
-      .optional("baseline-error", "E", "(true - announced) / announced baseline", "0")
+      .optional("rate", "HZ", "stereo pairs per second, 1 to 200", "10")
+      .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240; 0.1 to 4", "0.5")
+      .optional("baseline-error", "E", "(true - announced) / announced baseline, -0.5 to 0.5", "0")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, as simulate --list-lidar-faults", "none")
       .optional("patience", "S", "a flight is given up after so long", "60")
       .optional("config", "F.yaml",
