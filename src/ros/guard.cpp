@@ -41,10 +41,16 @@ bool isFinite(const geometry_msgs::Twist& twist) {
   return finite(twist.linear) && finite(twist.angular);
 }
 
-std::string degrees(double yaw_rad, double pitch_rad) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.0f deg left, %.0f deg up", yaw_rad * 180.0 / M_PI, pitch_rad * 180.0 / M_PI);
+template <typename... Arguments>
+std::string format(const char* pattern, Arguments... arguments) {
+  char text[320];
+  std::snprintf(text, sizeof text, pattern, arguments...);
   return text;
+}
+
+std::string degrees(double yaw_rad, double pitch_rad) {
+  return format("%.0f deg %s, %.0f deg %s", std::abs(yaw_rad) * 180.0 / M_PI, yaw_rad < 0.0 ? "right" : "left",
+                std::abs(pitch_rad) * 180.0 / M_PI, pitch_rad < 0.0 ? "down" : "up");
 }
 
 }  // namespace
@@ -85,30 +91,53 @@ void Guard::command(const geometry_msgs::TwistStamped& command, const GuardTime&
   if (command.header.stamp.isZero()) command_.message.header.stamp = time.now;
 }
 
+/// By its stamp or by when it came, whichever is farther from now; +inf: none came.
 template <typename Message>
-bool Guard::isFresh(const Latest<Message>& latest, double max_age_s, const GuardTime& time) {
-  if (!latest.has_come) return false;
+double Guard::ageOf(const Latest<Message>& latest, const GuardTime& time) {
+  if (!latest.has_come) return flight_corridor::kInfinity;
   const double arrived_ago_s = time.steady_s - latest.arrived_s;
   const double age_s = time.now.toSec() - latest.message.header.stamp.toSec();
-  return 0.0 <= arrived_ago_s && arrived_ago_s <= max_age_s && std::abs(age_s) <= max_age_s;
+  return std::abs(age_s) >= std::abs(arrived_ago_s) ? age_s : arrived_ago_s;
+}
+
+/// "": it may be relied upon.
+template <typename Message>
+std::string Guard::complaintAbout(const Latest<Message>& latest, const char* topic, const GuardTime& time) const {
+  const double age_s = ageOf(latest, time);
+  if (std::abs(age_s) <= config_.max_age_s) return "";
+  if (std::isinf(age_s)) {
+    return format("stopped: no %s has come. Start the corridor's node, or remap %s to its topic", topic, topic);
+  }
+  return format(
+      "stopped: %s is %.2f s old, outside +-%.2f s (max_age_s). See the rate and latency of the "
+      "corridor's node and the clocks, or raise max_age_s and, as much, that node's speed/delay_s",
+      topic, age_s, config_.max_age_s);
+}
+
+/// "": it may be flown.
+std::string Guard::complaintAboutCommand(const GuardTime& time) const {
+  const double age_s = ageOf(command_, time);
+  if (!(std::abs(age_s) <= config_.command_age_s)) {
+    return format(
+        "stopped: the command is %.2f s old, outside +-%.2f s (command_age_s). Send commands more often, stamped when "
+        "they are sent",
+        age_s, config_.command_age_s);
+  }
+  const std::string frame = withoutSlash(command_.message.header.frame_id);
+  if (config_.stamped && frame != config_.frame_id) {
+    return format("stopped: the command is in frame \"%.60s\", not in \"%.60s\" (frame_id). Send it in that frame",
+                  frame.c_str(), config_.frame_id.c_str());
+  }
+  const bool is_finite = isFinite(command_.message.twist);
+  return is_finite ? "" : "stopped: a number of the command is NaN or infinite. See the planner that sends it";
 }
 
 GuardedCommand Guard::limited(const GuardTime& time) const {
   GuardedCommand out;
-  if (!isFresh(command_, config_.command_age_s, time)) {
-    out.why = command_.has_come ? "the command is too old (command_age_s)" : "";
-    return out;
-  }
+  if (!command_.has_come) return out;
+  out.why = complaintAboutCommand(time);
+  if (!out.why.empty()) return out;
   const geometry_msgs::TwistStamped& command = command_.message;
-  const std::string frame = withoutSlash(command.header.frame_id);
-  if (config_.stamped && frame != config_.frame_id) {
-    out.why = "the command is in frame \"" + frame + "\", not in \"" + config_.frame_id + "\" (frame_id)";
-    return out;
-  }
-  if (!isFinite(command.twist)) {
-    out.why = "the command is not finite";
-    return out;
-  }
   out.twist.angular = command.twist.angular;
   const Eigen::Vector3d wanted(command.twist.linear.x, command.twist.linear.y, command.twist.linear.z);
   const double speed_mps = wanted.stableNorm();
@@ -117,7 +146,13 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
   const double pitch_rad = std::atan2(wanted.z(), std::hypot(wanted.x(), wanted.y()));
   const double safe_mps = safeSpeed(yaw_rad, pitch_rad, command.twist.angular.z, time, out.why);
   const double share = std::min(1.0, safe_mps / speed_mps);
-  if (share == 1.0) out.why.clear();
+  if (share < 1.0 && out.why.empty()) {
+    const bool is_stop = safe_mps == 0.0;
+    out.why =
+        format("%s: %.2f m/s %s is commanded, %.2f m/s is safe%s", is_stop ? "stopped" : "slowed down", speed_mps,
+               degrees(yaw_rad, pitch_rad).c_str(), safe_mps,
+               is_stop ? ". The reasons in free_areas and corridor say why; turn to a direction that is FREE" : "");
+  }
   out.twist.linear.x = share * wanted.x();
   out.twist.linear.y = share * wanted.y();
   out.twist.linear.z = share * wanted.z();
@@ -129,10 +164,12 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
 double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
                         std::string& why) const {
   const FreeAreas& areas = areas_.message;
-  if (!isFresh(areas_, config_.max_age_s, time) || !isComplete(areas)) {
-    why = "no free_areas, or too old ones (max_age_s)";
-    return 0.0;
+  why = complaintAbout(areas_, "free_areas", time);
+  if (why.empty() && !isComplete(areas)) {
+    why =
+        "stopped: free_areas breaks its definition: arrays of other sizes than rows x columns, or an angle not finite";
   }
+  if (!why.empty()) return 0.0;
   const double step_rad = stepOf(areas);
   const double turned_rad = turn_rate_rad_s * std::max(0.0, time.now.toSec() - areas.header.stamp.toSec());
   const double rightmost_rad = yaw_rad + std::min(0.0, turned_rad), leftmost_rad = yaw_rad + std::max(0.0, turned_rad);
@@ -149,16 +186,16 @@ double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s
     safe_mps = std::min(safe_mps, is_free ? areas.safe_speed[i] : 0.0);
     is_ahead = is_ahead || (std::abs(areas.yaw[i]) < 1e-6 && std::abs(areas.pitch[i]) < 1e-6);
   }
-  why = "the safe speed " + degrees(yaw_rad, pitch_rad) + " is lower";
   if (!(std::max(right_rad, left_rad) <= 0.5 * step_rad)) {
-    why = "nothing is known " + degrees(yaw_rad, pitch_rad) + ", outside the directions of free_areas";
+    why = format(
+        "stopped: the command points %s, outside the directions of free_areas, where nothing is known. Turn there "
+        "first, or widen free_areas/ of the corridor's node",
+        degrees(yaw_rad, pitch_rad).c_str());
     return 0.0;
   }
   if (!is_ahead) return safe_mps;
-  if (!isFresh(corridor_, config_.max_age_s, time)) {
-    why = "no verdict on the corridor, or too old a one (max_age_s)";
-    return 0.0;
-  }
+  why = complaintAbout(corridor_, "corridor", time);
+  if (!why.empty()) return 0.0;
   const CorridorState& corridor = corridor_.message;
   const bool is_known = corridor.state != CorridorState::UNKNOWN && corridor.safe_speed > 0.0;
   return std::min(safe_mps, is_known ? corridor.safe_speed : 0.0);

@@ -61,7 +61,10 @@ class Guard {
   template <typename Message>
   static void take(const Message& message, const GuardTime& time, Latest<Message>& latest);
   template <typename Message>
-  static bool isFresh(const Latest<Message>& latest, double max_age_s, const GuardTime& time);
+  static double ageOf(const Latest<Message>& latest, const GuardTime& time);
+  template <typename Message>
+  std::string complaintAbout(const Latest<Message>& latest, const char* topic, const GuardTime& time) const;
+  std::string complaintAboutCommand(const GuardTime& time) const;
   double safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
                    std::string& why) const;
 

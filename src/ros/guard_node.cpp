@@ -57,7 +57,7 @@ void GuardNode::publish() {
   const std::lock_guard<std::mutex> lock(mutex_);
   const GuardTime time = timeNow();
   const GuardedCommand command = guard_.limited(time);
-  if (!command.why.empty() && warning_.due()) ROS_WARN("the command is limited: %s", command.why.c_str());
+  if (!command.why.empty() && warning_.due()) ROS_WARN("%s", command.why.c_str());
   if (!config_.stamped) return publisher_.publish(command.twist);
   geometry_msgs::TwistStamped stamped;
   stamped.header.stamp = time.now;
