@@ -14,7 +14,6 @@ constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no eviden
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kNoDisparity | kDisagreement | kLidarNearer;
 
 constexpr double kMostUnknown = 0.1;     // of a box that is asked about
-constexpr double kScanned_rad = 0.7;     // to the left and to the right: about the view of a camera
 constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
 
 /// Share of a box nearer than a depth, or behind the camera, by its slices along its axis.
@@ -129,17 +128,14 @@ const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C
 }
 
 LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
-  LevelScan scan;
-  scan.step_rad = config_.free_areas.step_rad;
-  const std::vector<double> yaws_rad = gridAngles(kScanned_rad, scan.step_rad);
-  scan.first_yaw_rad = yaws_rad.front();
-  scan.max_range_m = config_.corridor.length_m;
+  LevelScan scan = unknownScan(config_.free_areas.step_rad, config_.corridor.length_m);
   const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
   Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, boxInCamera().size_m.z()}};
   ahead_C.T_M_F.translate(config_.corridor.offset_m);
-  for (const Verdict& verdict : judge({ahead_C, yaws_rad, {0.0}})) {
-    const double range_m = verdict.state == State::Free ? kInfinity : verdict.free_distance_m;
-    scan.range_m.push_back(range_m > 0.0 ? range_m : kNaN);
+  const std::vector<Verdict> verdicts = judge({ahead_C, gridAngles(-scan.first_yaw_rad, scan.step_rad), {0.0}});
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const double range_m = verdicts[i].state == State::Free ? kInfinity : verdicts[i].free_distance_m;
+    if (range_m > 0.0) scan.range_m[i] = range_m;
   }
   return scan;
 }

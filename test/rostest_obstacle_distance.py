@@ -7,8 +7,9 @@ import unittest
 
 import rospy
 import rostest
+import tf2_ros
 from sensor_msgs.msg import LaserScan
-from wall_rig import CAMERA, DISPARITY_PX, WallRig
+from wall_rig import CAMERA, DISPARITY_PX, WallRig, attitude, mounting
 
 FAR_PX = 6  # of disparity: 7 m
 NOT_KNOWN = 65535
@@ -24,7 +25,9 @@ class ObstacleDistance(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("rostest_obstacle_distance")
-        cls.rig = WallRig()
+        cls.rig = WallRig(with_tf=False)
+        cls.frames = tf2_ros.StaticTransformBroadcaster()
+        cls.frames.sendTransform([attitude(), mounting()])
         cls.received = []
         rospy.Subscriber("/mavros/obstacle/send", LaserScan, cls.received.append, queue_size=5)
 

@@ -8,24 +8,15 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import Quaternion, TransformStamped
+from flight_corridor.msg import CorridorState
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
-from wall_rig import CAMERA, DISPARITY_PX, WALL_M, WallRig, mounting, received
+from wall_rig import CAMERA, DISPARITY_PX, WALL_M, WallRig, attitude, mounting, received
 
 FAR_PX = 6  # of disparity: 7 m
 LENGTH_M = 4.0  # corridor/length_m
 ROLL_RAD = 0.2
 PATIENCE_S = 30.0  # a loaded machine may need seconds for an answer
-
-
-def attitude():
-    """The camera in odom: it looks along x, rolled about its optical axis."""
-    edge = TransformStamped(child_frame_id=CAMERA)
-    edge.header.frame_id = "odom"
-    sine, cosine = 0.5 * math.sin(ROLL_RAD / 2.0), 0.5 * math.cos(ROLL_RAD / 2.0)
-    edge.transform.rotation = Quaternion(sine - cosine, sine + cosine, sine - cosine, sine + cosine)
-    return edge
 
 
 class Scan(unittest.TestCase):
@@ -34,7 +25,6 @@ class Scan(unittest.TestCase):
         rospy.init_node("rostest_scan")
         cls.rig = WallRig(with_tf=False)
         cls.frames = tf2_ros.StaticTransformBroadcaster()
-        cls.frames.sendTransform([attitude(), mounting()])
         cls.broadcast = []
         rospy.Subscriber("/tf", TFMessage, cls.keep_frames, queue_size=10)
         cls.buffer = tf2_ros.Buffer()
@@ -49,11 +39,23 @@ class Scan(unittest.TestCase):
         self.assertIsNotNone(message, "no such scan")
         return message
 
+    def broadcast_scans(self):
+        return [frame for frame in self.broadcast if "scan" in frame]
+
     def test_1_nobody_listens_and_nothing_is_broadcast(self):
         time.sleep(2.0)
-        self.assertEqual([frame for frame in self.broadcast if "scan" in frame], [])
+        self.assertEqual(self.broadcast_scans(), [])
 
-    def test_2_a_far_wall_leaves_the_view_free_and_the_rest_is_none(self):
+    def test_2_without_an_attitude_nothing_is_known(self):
+        self.assertIsNotNone(received("/flight_corridor/corridor", CorridorState,
+                                      lambda verdict: verdict.state == CorridorState.BLOCKED, PATIENCE_S))
+        scan = self.until(lambda _: True)
+        self.assertGreater(len(scan.ranges), 3)
+        self.assertTrue(all(math.isnan(reading) for reading in scan.ranges), scan.ranges)
+        self.assertEqual(self.broadcast_scans(), [])
+        self.frames.sendTransform([attitude(ROLL_RAD), mounting()])
+
+    def test_3_a_far_wall_leaves_the_view_free_and_the_rest_is_none(self):
         self.rig.disparity_px = FAR_PX
         scan = self.until(lambda message: message.ranges[len(message.ranges) // 2] == math.inf)
         self.assertEqual(scan.range_max, LENGTH_M)
@@ -62,7 +64,7 @@ class Scan(unittest.TestCase):
         for reading in scan.ranges:
             self.assertTrue(math.isnan(reading) or reading == math.inf, scan.ranges)
 
-    def test_3_a_near_wall_is_as_far_as_it_is(self):
+    def test_4_a_near_wall_is_as_far_as_it_is(self):
         self.rig.disparity_px = DISPARITY_PX
         scan = self.until(lambda message: math.isfinite(message.ranges[len(message.ranges) // 2]))
         self.assertAlmostEqual(scan.ranges[len(scan.ranges) // 2], WALL_M, delta=0.15)
@@ -74,7 +76,7 @@ class Scan(unittest.TestCase):
                 self.assertGreater(reading, nearest - 0.35, i)
                 self.assertLess(reading, WALL_M / math.cos(yaw) + 0.35, i)
 
-    def test_4_its_frame_is_level_while_the_camera_rolls(self):
+    def test_5_its_frame_is_level_while_the_camera_rolls(self):
         scan = self.until(lambda _: True)
         self.assertEqual(scan.header.frame_id, CAMERA + "_scan")
         for frame, up in ((scan.header.frame_id, 1.0), (scan.header.frame_id + "_frd", -1.0)):
@@ -84,7 +86,7 @@ class Scan(unittest.TestCase):
         turn = self.buffer.lookup_transform("odom", CAMERA, rospy.Time(0)).transform.rotation
         self.assertAlmostEqual(abs(2.0 * (turn.x * turn.z - turn.y * turn.w)), math.sin(ROLL_RAD), places=4)  # its x
 
-    def test_5_when_the_cameras_stop_nothing_is_known(self):
+    def test_6_when_the_cameras_stop_nothing_is_known(self):
         self.until(lambda _: True)
         self.rig.disparity_px = 0
         scan = self.until(lambda message: all(math.isnan(reading) for reading in message.ranges))

@@ -132,10 +132,10 @@ TEST(ToObstacleDistance, TheDefaultStepIsOneBin) {
   EXPECT_EQ(message.distances[9], kNotKnown);
 }
 
-TEST(UnknownScan, HasTheSameDirections) {
-  const LevelScan scan = unknown(scanOf({1.0, kInfinity, 2.0}));
+TEST(UnknownScan, SaysNothingToAnyAutopilot) {
+  const LevelScan scan = flight_corridor::unknownScan(0.1, 4.0);
   const auto message = toScan(camera(), scan);
-  ASSERT_EQ(message.ranges.size(), 3u);
+  ASSERT_EQ(message.ranges.size(), 15u);
   for (const float range_m : message.ranges) EXPECT_TRUE(std::isnan(range_m));
   for (const auto distance : asMavrosSends(toObstacleDistance(camera(), scan)).distances) {
     EXPECT_EQ(distance, kNotKnown);

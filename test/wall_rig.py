@@ -1,11 +1,12 @@
 """A rig before a wall, for rostests: stereo pair, calibration, LiDAR and tf at 10 Hz of wall time."""
 
+import math
 import time
 
 import numpy
 import rospy
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
 from sensor_msgs.msg import CameraInfo, Image, Range
 
 WIDTH_PX, HEIGHT_PX, DISPARITY_PX = 640, 480, 21
@@ -73,6 +74,15 @@ def mounting():
     edge.header.frame_id = CAMERA
     edge.transform.rotation.x, edge.transform.rotation.y = 0.5, -0.5
     edge.transform.rotation.z, edge.transform.rotation.w = 0.5, 0.5
+    return edge
+
+
+def attitude(roll_rad=0.0):
+    """The camera in odom: it looks along x, rolled about its optical axis."""
+    edge = TransformStamped(child_frame_id=CAMERA)
+    edge.header.frame_id = "odom"
+    sine, cosine = 0.5 * math.sin(roll_rad / 2.0), 0.5 * math.cos(roll_rad / 2.0)
+    edge.transform.rotation = Quaternion(sine - cosine, sine + cosine, sine - cosine, sine + cosine)
     return edge
 
 

@@ -8,6 +8,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kMostDirections = 400.0;  // what a pair's time and memory are for
+constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
 
 }  // namespace
 
@@ -28,6 +29,11 @@ std::vector<double> gridAngles(double limit_rad, double step_rad) {
   std::vector<double> angles_rad;
   for (int i = -steps; i <= steps; ++i) angles_rad.push_back(i * step_rad);
   return angles_rad;
+}
+
+LevelScan unknownScan(double step_rad, double max_range_m) {
+  const std::vector<double> yaws_rad = gridAngles(kScanned_rad, step_rad);
+  return {yaws_rad.front(), step_rad, max_range_m, std::vector<double>(yaws_rad.size(), kNaN)};
 }
 
 AreaGrid areaGrid(const FreeAreasConfig& config) {

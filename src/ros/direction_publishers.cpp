@@ -32,13 +32,11 @@ void DirectionPublishers::publish(const std_msgs::Header& header, const cv::Mat&
                                   flight_corridor::Pipeline& pipeline, const Level& level) {
   if (isHeard(areas_) || isHeard(image_) || isHeard(markers_)) publishAreas(header, left, pipeline);
   if (!isHeard(scan_) && !isHeard(obstacle_distance_)) return;
-  const Eigen::Matrix3d R_C_H = level().value_or(pipeline.boxInCamera().T_M_F.linear());
+  const auto R_C_H = level();  // warns
+  if (!R_C_H) return publishUnknownScans(header);
   if (!broadcaster_) broadcaster_.emplace();
-  broadcaster_->sendTransform(scanFrames(header, R_C_H));
-  const flight_corridor::LevelScan scan = pipeline.levelScan(R_C_H);
-  publishScans(header, scan);
-  const std::lock_guard<std::mutex> lock(scan_mutex_);
-  unknown_scan_ = unknown(scan);
+  broadcaster_->sendTransform(scanFrames(header, *R_C_H));
+  publishScans(header, pipeline.levelScan(*R_C_H));
 }
 
 void DirectionPublishers::publishAreas(const std_msgs::Header& header, const cv::Mat& left,
@@ -66,11 +64,14 @@ void DirectionPublishers::publishScans(const std_msgs::Header& header, const fli
   if (isHeard(obstacle_distance_)) obstacle_distance_.publish(toObstacleDistance(header, scan));
 }
 
+void DirectionPublishers::publishUnknownScans(const std_msgs::Header& header) {
+  publishScans(header, flight_corridor::unknownScan(config_.free_areas.step_rad, config_.corridor.length_m));
+}
+
 void DirectionPublishers::publishRefusal(const std_msgs::Header& header, std::uint32_t reasons) {
   if (isHeard(areas_)) areas_.publish(toRefusal(header, config_.free_areas, reasons));
   if (isHeard(markers_)) markers_.publish(withoutMarkers(header));
-  const std::lock_guard<std::mutex> lock(scan_mutex_);
-  if (unknown_scan_) publishScans(header, *unknown_scan_);
+  publishUnknownScans(header);
 }
 
 }  // namespace flight_corridor_ros

@@ -5,7 +5,6 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <functional>
-#include <mutex>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
@@ -18,7 +17,8 @@ namespace flight_corridor_ros {
 /// ~obstacle_distance. Nothing is computed of what nobody listens to.
 class DirectionPublishers {
  public:
-  /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: nobody knows where up is.
+  /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: nobody knows, and the scans
+  /// say nothing.
   using Level = std::function<std::optional<Eigen::Matrix3d>()>;
 
   DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config, GoalDirection& goal);
@@ -33,14 +33,13 @@ class DirectionPublishers {
  private:
   void publishAreas(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline);
   void publishScans(const std_msgs::Header& header, const flight_corridor::LevelScan& scan);
+  void publishUnknownScans(const std_msgs::Header& header);
 
   const flight_corridor::Config config_;  // at the start: of the corridor the pipeline knows more
   GoalDirection& goal_;
   ros::Publisher areas_, image_, markers_, scan_, obstacle_distance_;
   std::optional<tf2_ros::TransformBroadcaster> broadcaster_;  // of the scan's frames, where somebody listens
   cv::Mat picture_;
-  std::mutex scan_mutex_;
-  std::optional<flight_corridor::LevelScan> unknown_scan_;  // the directions of the last one
 };
 
 }  // namespace flight_corridor_ros

@@ -103,7 +103,13 @@ flight_corridor::Counters Processor::counters() {
 std::optional<Eigen::Matrix3d> Processor::level() {
   const auto up_C = up_.find(camera_header_);
   if (!up_C) return std::nullopt;
-  return levelled(rig_->boxInCamera().T_M_F.linear(), *up_C);
+  const auto R_C_H = levelled(rig_->boxInCamera().T_M_F.linear(), *up_C);
+  if (!R_C_H && heading_warning_.due()) {
+    ROS_WARN(
+        "the corridor points more than 80 deg up or down, where it has no heading: every range of scan and "
+        "obstacle_distance is NaN");
+  }
+  return R_C_H;
 }
 
 /// Readings up to an image.

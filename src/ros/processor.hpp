@@ -61,8 +61,8 @@ class Processor {
   const std_msgs::Header& mapHeader() const { return map_header_; }
   /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
-  /// Turns vectors of a level frame, x along the corridor's heading, z up, into C at the last pair; nullopt where
-  /// nobody knows where up is, or the corridor has no heading. Needs products().
+  /// Turns vectors of a level frame, x along the corridor's heading, z up, into C at the last pair; nullopt, and a
+  /// throttled warning, where nobody knows where up is, or the corridor has no heading. Needs products().
   std::optional<Eigen::Matrix3d> level();
   /// The last pair's left image at ros/scale, CV_8UC1; empty when it could not be read.
   const cv::Mat& left() const { return left_->image; }
@@ -99,7 +99,7 @@ class Processor {
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest range that says something
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
-      pose_warning_;
+      pose_warning_, heading_warning_;
 };
 
 }  // namespace flight_corridor_ros

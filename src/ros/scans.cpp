@@ -91,9 +91,4 @@ sensor_msgs::LaserScan toObstacleDistance(const std_msgs::Header& camera, const 
   return message;
 }
 
-LevelScan unknown(LevelScan scan) {
-  std::fill(scan.range_m.begin(), scan.range_m.end(), kNaN);
-  return scan;
-}
-
 }  // namespace flight_corridor_ros

@@ -27,7 +27,4 @@ sensor_msgs::LaserScan toScan(const std_msgs::Header& camera, const flight_corri
 /// nearest obstacle counts.
 sensor_msgs::LaserScan toObstacleDistance(const std_msgs::Header& camera, const flight_corridor::LevelScan& scan);
 
-/// The same scan with nothing known.
-flight_corridor::LevelScan unknown(flight_corridor::LevelScan scan);
-
 }  // namespace flight_corridor_ros

@@ -39,6 +39,9 @@ struct LevelScan {
   std::vector<double> range_m;  ///< From the camera on; +inf: seen to be free up to max_range_m, NaN: not known.
 };
 
+/// The directions, not known yet.
+LevelScan unknownScan(double step_rad, double max_range_m);
+
 /// The angles of a grid's columns, or rows: from -limit to limit, 0 among them.
 std::vector<double> gridAngles(double limit_rad, double step_rad);
 
