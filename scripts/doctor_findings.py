@@ -50,8 +50,11 @@ class Observation:
     left_info: Topic = None
     right_info: Topic = None
     lidar: Topic = None                               # None: the node does not subscribe to one
+    goal: Topic = None                                # goal_direction; None: the node does not subscribe to one
     verdict: Topic = None
-    free: Topic = None
+    others: list = field(default_factory=list)        # what else may stop somebody: free, free_areas, scans
+    commands_in: list = field(default_factory=list)   # of corridor_guard, or who else commands by free_areas
+    commands_out: list = field(default_factory=list)
     reasons: list = field(default_factory=list)       # of each verdict: (state's name, set of reasons' names)
     ranges: list = field(default_factory=list)        # of the LiDAR: (range, min_range, max_range)
     frames: list = field(default_factory=list)        # tf's edges: (parent, child)
@@ -130,6 +133,7 @@ def missing_transforms(seen):
     if not camera:
         return []
     wanted = {"the LiDAR's frame": frame_of(seen.lidar),
+              "goal_direction's frame": frame_of(seen.goal),
               "map/frame_id": seen.parameters.get("map/frame_id", ""),
               "corridor/frame_id": seen.parameters.get("corridor/frame_id", "")}
     return [f"tf does not connect the camera's frame \"{camera}\" with \"{frame}\" ({name}): publish it, e.g. with "
@@ -188,10 +192,17 @@ def silent_lidar(seen):
 
 
 def nobody_listens(seen):
-    if not seen.verdict or seen.verdict.listeners or (seen.free and seen.free.listeners):
+    if not seen.verdict or any(topic.listeners for topic in (seen.verdict, *seen.others)):
         return []
-    return [f"Nobody listens to {seen.verdict.name}" + (f", nor to {seen.free.name}" if seen.free else "") +
-            ": the verdict stops nobody."]
+    return [f"Nobody listens to {', '.join(topic.name for topic in (seen.verdict, *seen.others))}: "
+            "the verdict stops nobody."]
+
+
+def idle_guard(seen):
+    return [f"Nobody publishes {topic.name}, which {', '.join(topic.listeners)} waits for: see corridor_guard.launch's "
+            "argument cmd_vel_in." for topic in seen.commands_in if not topic.publishers] + \
+           [f"Nobody listens to {topic.name} from {', '.join(topic.publishers)}: it stops nobody. See "
+            "corridor_guard.launch's argument cmd_vel." for topic in seen.commands_out if not topic.listeners]
 
 
 def unknown_verdicts(seen):
@@ -205,7 +216,7 @@ def unknown_verdicts(seen):
 
 
 FINDINGS = [no_node, missing_images, stamps_apart, bad_calibration, missing_transforms, clocks_apart, low_rate,
-            silent_lidar, nobody_listens, unknown_verdicts]
+            silent_lidar, nobody_listens, idle_guard, unknown_verdicts]
 
 
 def examine(seen):

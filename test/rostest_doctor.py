@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The doctor calls a healthy system well, and says which frame is missing where tf has none for the LiDAR."""
+"""The doctor calls a healthy system, flown by the guard alone, well; it names a missing frame, and who is not heard."""
 
 import subprocess
 import time
@@ -8,7 +8,7 @@ import unittest
 import rospy
 import rostest
 from flight_corridor.msg import CorridorState
-from std_msgs.msg import Bool
+from geometry_msgs.msg import Twist
 from wall_rig import CAMERA, LIDAR, WallRig
 
 PATIENCE_S = 30.0  # a loaded machine may need seconds for a first answer
@@ -25,7 +25,8 @@ class Doctor(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("rostest_doctor")
-        cls.planner = rospy.Subscriber("/flight_corridor/free", Bool, lambda _: None)
+        cls.planner = rospy.Publisher("/cmd_vel_in", Twist, queue_size=1)
+        cls.autopilot = rospy.Subscriber("/cmd_vel", Twist, lambda _: None)
         cls.rig = WallRig(with_tf=False)
         end = time.time() + PATIENCE_S
         while time.time() < end:
@@ -44,6 +45,13 @@ class Doctor(unittest.TestCase):
         code, output = examine()
         self.assertEqual(code, 0, output)
         self.assertIn("All is well.", output)
+
+    def test_3_a_guard_that_nobody_obeys_is_named(self):
+        self.autopilot.unregister()
+        code, output = examine()
+        self.assertEqual(code, 1, output)
+        self.assertIn("Nobody listens to /cmd_vel from /corridor_guard", output)
+        self.assertIn("Findings: 1.", output)
 
 
 if __name__ == "__main__":

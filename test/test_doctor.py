@@ -11,6 +11,7 @@ import rosunit
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scripts"))
 from doctor_findings import Observation, Topic, examine  # noqa: E402
 
+OTHERS = "/free", "/free_areas", "/obstacle_distance", "/scan"
 STAMPS = [10.0 + 0.1 * i for i in range(50)]
 
 
@@ -33,7 +34,7 @@ def healthy():
     return Observation(5.0, node="/flight_corridor", left=heard("/left", image), right=heard("/right", image),
                        left_info=heard("/left_info", info(0.0)), right_info=heard("/right_info", info(-42.0)),
                        lidar=heard("/range", message("lidar")), verdict=heard("/corridor", None),
-                       free=heard("/free", None), reasons=[("FREE", set())] * 50, ranges=[(4.0, 0.2, 40.0)] * 50,
+                       others=[Topic(name, ["/flight_corridor"], ["/planner"]) for name in OTHERS], reasons=[("FREE", set())] * 50, ranges=[(4.0, 0.2, 40.0)] * 50,
                        frames=[("base", "left"), ("base", "lidar")])
 
 
@@ -131,10 +132,29 @@ class Doctor(unittest.TestCase):
 
     def test_nobody_listens_to_the_verdict(self):
         seen = healthy()
-        seen.verdict.listeners, seen.free.listeners = [], []
-        self.finds(seen, "Nobody listens to /corridor, nor to /free")
-        seen.free.listeners = ["/autopilot"]
+        seen.verdict.listeners = []
+        for topic in seen.others:
+            topic.listeners = []
+        self.finds(seen, "Nobody listens to /corridor, /free, /free_areas, /obstacle_distance, /scan: ")
+        for topic in seen.others:
+            topic.listeners = ["/autopilot"]
+            self.assertEqual(examine(seen), [])
+            topic.listeners = []
+
+    def test_the_guard_waits_for_commands_or_speaks_to_nobody(self):
+        seen = healthy()
+        seen.commands_in = [Topic("/cmd_vel_in", ["/planner"], ["/corridor_guard"])]
+        seen.commands_out = [Topic("/cmd_vel", ["/corridor_guard"], ["/mavros"])]
         self.assertEqual(examine(seen), [])
+        seen.commands_in[0].publishers = []
+        self.finds(seen, "Nobody publishes /cmd_vel_in, which /corridor_guard waits for")
+        seen.commands_in[0].publishers, seen.commands_out[0].listeners = ["/planner"], []
+        self.finds(seen, "Nobody listens to /cmd_vel from /corridor_guard: it stops nobody")
+
+    def test_tf_lacks_the_goals_frame(self):
+        seen = healthy()
+        seen.goal = heard("/goal_direction", message("odom"))
+        self.finds(seen, "goal_direction's frame")
 
     def test_most_verdicts_are_unknown(self):
         seen = healthy()
