@@ -65,6 +65,7 @@ void DirectionPublishers::publishScans(const std_msgs::Header& header, const fli
 }
 
 void DirectionPublishers::publishUnknownScans(const std_msgs::Header& header) {
+  if (header.frame_id.empty()) return;  // no camera yet, of whose frame its own is named
   publishScans(header, flight_corridor::unknownScan(config_.free_areas.step_rad, config_.corridor.length_m));
 }
 
