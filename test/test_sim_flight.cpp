@@ -109,6 +109,29 @@ TEST(Flight, ATurnOnTheSpotStaysThere) {
   EXPECT_NEAR(headingOf(flight.T_W_B(6.0)), -2.0, 1e-9);
 }
 
+TEST(Flight, YawsToAndFroWithoutLeavingItsLine) {
+  Flight straight = weavingFlight();
+  straight.tilts = true;
+  Flight yawing = straight;
+  yawing.yaws = turnsToAndFro(0.4, 6.6, 0.4, 1.05);
+  double fastest_rad_s = 0.0, leftmost_rad = 0.0, rightmost_rad = 0.0;
+  const auto yaw = [&](double time_s) { return headingOf(straight.T_W_B(time_s).inverse() * yawing.T_W_B(time_s)); };
+  for (double time_s = 0.0; time_s < straight.duration_s; time_s += 0.01) {
+    EXPECT_TRUE(yawing.T_W_B(time_s).translation().isApprox(straight.T_W_B(time_s).translation())) << time_s;
+    EXPECT_TRUE(yawing.T_W_B(time_s).linear().col(2).isApprox(straight.T_W_B(time_s).linear().col(2))) << time_s;
+    fastest_rad_s = std::max(fastest_rad_s, std::abs(yaw(time_s + 0.01) - yaw(time_s)) / 0.01);
+    leftmost_rad = std::max(leftmost_rad, yaw(time_s));
+    rightmost_rad = std::min(rightmost_rad, yaw(time_s));
+  }
+  EXPECT_NEAR(fastest_rad_s, 1.05, 1e-3);
+  EXPECT_NEAR(leftmost_rad, 0.4, 1e-3);
+  EXPECT_NEAR(rightmost_rad, -0.4, 1e-3);
+  EXPECT_NEAR(yaw(0.4), 0.0, 1e-9);
+  EXPECT_NEAR(yaw(6.6), 0.0, 1e-9);
+}
+
+TEST(Flight, HasNoTimeToYawInAMoment) { EXPECT_TRUE(turnsToAndFro(0.4, 1.0, 0.4, 1.05).empty()); }
+
 TEST(Flight, ASidestepUpClimbs) {
   const Flight flight = weavingFlight();
   EXPECT_NEAR(flight.T_W_B(1.5).translation().z(), 1.5, 1e-9);

@@ -191,6 +191,51 @@ TEST(Simulation, TheImusAngularVelocitiesSummedAreTheTurnAndItsAttitudesAreTheFl
             5.0 * 0.005 * step_s * std::sqrt(3.0 * static_cast<double>(readings.size())) + 0.002);
 }
 
+TEST(Simulation, YawsToAndFroAtTheRateInAnySceneAndItsTruthFollows) {
+  const double rate_rad_s = M_PI / 3.0;
+  for (const std::string& scene : sceneNames()) {
+    SCOPED_TRACE(scene);
+    SimulationOptions options = small(scene, 1);
+    const Simulation straight(options);
+    options.yaw_rate_rad_s = rate_rad_s;
+    const Simulation yawing(options);
+    ASSERT_EQ(yawing.frameTimes(), straight.frameTimes());
+    const auto yaw = [&](double stamp_s) {
+      return Eigen::Quaterniond(straight.T_W_B(stamp_s).linear())
+          .angularDistance(Eigen::Quaterniond(yawing.T_W_B(stamp_s).linear()));
+    };
+    int other_truths = 0;
+    for (std::size_t i = 0; i < yawing.frameTimes().size(); ++i) {
+      const double stamp_s = yawing.frameTimes()[i];
+      EXPECT_TRUE(yawing.T_W_B(stamp_s).translation().isApprox(straight.T_W_B(stamp_s).translation()));
+      other_truths += yawing.truth(i).clear_exact_m != straight.truth(i).clear_exact_m;
+    }
+    double fastest_rad_s = 0.0;
+    for (double stamp_s = kFirstStamp_s; stamp_s < yawing.frameTimes().back(); stamp_s += 0.005) {
+      fastest_rad_s = std::max(fastest_rad_s, std::abs(yaw(stamp_s + 0.005) - yaw(stamp_s)) / 0.005);
+    }
+    EXPECT_NEAR(fastest_rad_s, rate_rad_s, 0.01 * rate_rad_s);
+    EXPECT_NEAR(yaw(yawing.frameTimes().back()), 0.0, 1e-9);
+    EXPECT_TRUE(scene == "open_sky" || other_truths > 0);
+  }
+}
+
+TEST(Simulation, TheImuOfAYawingFlightTurnsAsItsPosesDo) {
+  SimulationOptions options = small("wall");
+  options.yaw_rate_rad_s = M_PI / 3.0;
+  const Simulation simulation(options);
+  double largest_rad_s = 0.0;
+  for (const ImuReading& reading : simulation.imuReadings()) {
+    constexpr double kStep_s = 0.005;
+    const Eigen::Matrix3d R_before_after = simulation.T_W_B(reading.stamp_s - kStep_s).linear().transpose() *
+                                           simulation.T_W_B(reading.stamp_s + kStep_s).linear();
+    const double yaw_rate_rad_s = std::atan2(R_before_after(1, 0), R_before_after(0, 0)) / (2.0 * kStep_s);
+    EXPECT_NEAR(reading.angular_velocity_B_rad_s.z(), yaw_rate_rad_s, 6.0 * 0.005);  // its noise
+    largest_rad_s = std::max(largest_rad_s, reading.angular_velocity_B_rad_s.z());
+  }
+  EXPECT_NEAR(largest_rad_s, M_PI / 3.0, 0.2);  // the wobble turns, too
+}
+
 TEST(Simulation, GlassIsThereForTheLidarAndNotForTheCamera) {
   const Simulation simulation(small("glass"));
   const cv::Mat depth_m = simulation.depth(0);
@@ -237,9 +282,11 @@ TEST(Simulation, RefusesWhatItDoesNotKnowAndNamesWhatItKnows) {
   options = small("wall");
   options.rate_hz = 0.0;
   options.image_scale = kNaN;
+  options.yaw_rate_rad_s = -1.0;
   const std::string message = messageOf(options);
   EXPECT_NE(message.find("rate_hz"), std::string::npos);
   EXPECT_NE(message.find("image_scale"), std::string::npos);
+  EXPECT_NE(message.find("yaw_rate_rad_s"), std::string::npos);
 }
 
 }  // namespace

@@ -35,9 +35,9 @@ double headingIn(const Turn& turn, double time_s) {
   return turn.left_rad * shareDone(turn.from_s, turn.duration_s, time_s);
 }
 
-double headingAt(const Flight& flight, double time_s) {
+double headingAfter(const std::vector<Turn>& turns, double time_s) {
   double heading_rad = 0.0;
-  for (const Turn& turn : flight.turns) heading_rad += headingIn(turn, time_s);
+  for (const Turn& turn : turns) heading_rad += headingIn(turn, time_s);
   return heading_rad;
 }
 
@@ -46,7 +46,7 @@ double headingAt(const Flight& flight, double time_s) {
 Eigen::Vector3d alongLine(const Flight& flight, double time_s) {
   constexpr double kStep_s = 0.04;
   const auto ahead = [&](double at_s) -> Eigen::Vector3d {
-    const double heading_rad = headingAt(flight, at_s);
+    const double heading_rad = headingAfter(flight.turns, at_s);
     return {std::cos(heading_rad), std::sin(heading_rad), 0.0};
   };
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
@@ -98,7 +98,8 @@ Eigen::Isometry3d Flight::T_W_B(double time_s) const {
   Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
   T_W_B.translation() = positionAt(*this, t) + sway_m.cwiseProduct(Eigen::Vector3d(wave(0), wave(1), wave(2)));
   if (tilts) T_W_B.rotate(tiltAt(*this, t));
-  T_W_B.rotate(Eigen::AngleAxisd(headingAt(*this, t) + wobble_rad.z() * wave(3), Eigen::Vector3d::UnitZ()) *
+  const double yaw_rad = headingAfter(turns, t) + headingAfter(yaws, t) + wobble_rad.z() * wave(3);
+  T_W_B.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
                Eigen::AngleAxisd(wobble_rad.y() * wave(4), Eigen::Vector3d::UnitY()) *
                Eigen::AngleAxisd(wobble_rad.x() * wave(5), Eigen::Vector3d::UnitX()));
   return T_W_B;
@@ -108,6 +109,21 @@ double durationOver(double distance_m, double speed_m_s, double ramp_s) { return
 
 Turn turnAt(double from_s, double left_rad, double highest_rate_rad_s) {
   return {from_s, 2.0 * std::abs(left_rad) / highest_rate_rad_s, left_rad};
+}
+
+std::vector<Turn> turnsToAndFro(double from_s, double until_s, double angle_rad, double highest_rate_rad_s) {
+  const double across_s = turnAt(0.0, 2.0 * angle_rad, highest_rate_rad_s).duration_s;
+  const int count = static_cast<int>((until_s - from_s) / across_s);
+  std::vector<Turn> turns;
+  double time_s = until_s - count * across_s, at_rad = 0.0;
+  const auto turnTo = [&](double to_rad) {
+    turns.push_back(turnAt(time_s, to_rad - at_rad, highest_rate_rad_s));
+    time_s += turns.back().duration_s;
+    at_rad = to_rad;
+  };
+  for (int i = 0; i < count; ++i) turnTo(i % 2 == 0 ? angle_rad : -angle_rad);
+  if (count > 0) turnTo(0.0);
+  return turns;
 }
 
 }  // namespace flight_corridor::sim

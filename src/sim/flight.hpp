@@ -32,6 +32,7 @@ struct Flight {
   double phase_rad = 0.0;                        ///< Of sway and wobble.
   std::vector<Sidestep> sidesteps;
   std::vector<Turn> turns;  ///< One after the other.
+  std::vector<Turn> yaws;   ///< Of the body alone: the flight does not follow them.
   bool tilts = false;       ///< As a quadrotor must: z of B along the thrust, before wobble comes on top.
 
   /// Before the start and after the end the body stands still.
@@ -43,5 +44,9 @@ double durationOver(double distance_m, double speed_m_s, double ramp_s);
 
 /// A turn on the way so fast that its yaw rate rises to a limit.
 Turn turnAt(double from_s, double left_rad, double highest_rate_rad_s);
+
+/// Turns to the left, to the right and so on by an angle from straight ahead, with which the last one ends at until_s.
+/// As many as there is time for since from_s: none, if not even for one to the left and back.
+std::vector<Turn> turnsToAndFro(double from_s, double until_s, double angle_rad, double highest_rate_rad_s);
 
 }  // namespace flight_corridor::sim

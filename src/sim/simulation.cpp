@@ -12,6 +12,8 @@ namespace flight_corridor::sim {
 namespace {
 
 constexpr double kImuRate_hz = 200.0;
+constexpr double kYaw_rad = 25.0 * M_PI / 180.0;  // to either side, when yawing to and fro
+constexpr double kStraight_s = 0.3;               // before it, at least, and after it
 
 const SimulationOptions& checked(const SimulationOptions& options) {
   std::string broken;
@@ -25,6 +27,7 @@ const SimulationOptions& checked(const SimulationOptions& options) {
   require(-0.5 <= baseline_error && baseline_error <= 0.5, "baseline_error must be within [-0.5, 0.5]");
   const double offset_px = options.disparity_offset_px.value_or(0.0);
   require(-20.0 <= offset_px && offset_px <= 20.0, "disparity_offset_px must be within [-20, 20]");
+  require(0.0 <= options.yaw_rate_rad_s && options.yaw_rate_rad_s <= 4.0, "yaw_rate_rad_s must be within [0, 4]");
   if (!broken.empty()) throw std::invalid_argument("simulation: " + broken);
   return options;
 }
@@ -34,6 +37,10 @@ Scene sceneFor(const SimulationOptions& options) {
   scaleImages(scene.rig, options.image_scale);
   scene.rig.baseline_error = options.baseline_error.value_or(scene.rig.baseline_error);
   scene.rig.disparity_offset_px = options.disparity_offset_px.value_or(scene.rig.disparity_offset_px);
+  if (options.yaw_rate_rad_s > 0.0) {
+    scene.flight.yaws =
+        turnsToAndFro(kStraight_s, scene.flight.duration_s - kStraight_s, kYaw_rad, options.yaw_rate_rad_s);
+  }
   return scene;
 }
 

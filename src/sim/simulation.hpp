@@ -23,6 +23,7 @@ struct SimulationOptions {
   double image_scale = 1.0;                   ///< 1 = 640x480; 0.5 = 320x240, same field of view.
   std::optional<double> baseline_error;       ///< (true - announced) / announced baseline [-]; absent: the scene's.
   std::optional<double> disparity_offset_px;  ///< Measured minus true disparity; absent: the scene's.
+  double yaw_rate_rad_s = 0.0;                ///< 0: as the scene flies; else it also yaws to and fro, so fast at most.
   std::string lidar_fault = "none";           ///< One of lidarFaultNames().
   double lidar_fault_from_s = 0.0;            ///< After the flight's start.
   double lidar_fault_until_s = kInfinity;     ///< After the flight's start.

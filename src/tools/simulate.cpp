@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -44,6 +45,7 @@ sim::SimulationOptions simulationOptions(const CommandLine& options) {
   simulation.image_scale = options.number("image-scale", 0.1);
   simulation.baseline_error = numberIfGiven(options, "baseline-error");
   simulation.disparity_offset_px = numberIfGiven(options, "disparity-offset");
+  simulation.yaw_rate_rad_s = options.number("yaw-rate", 0.0) * M_PI / 180.0;
   simulation.lidar_fault = options.text("lidar-fault");
   return simulation;
 }
@@ -118,6 +120,7 @@ int main(int argc, char** argv) {
       .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240", "1")
       .optional("baseline-error", "E", "(true - announced) / announced baseline; default: the scene's")
       .optional("disparity-offset", "PX", "measured minus true disparity; default: the scene's")
+      .optional("yaw-rate", "DEG", "also yaws 25 degrees to and fro on the way, at this many a second at most", "0")
       .optional("lidar-fault", "NAME", "fault of the LiDAR, see --list-lidar-faults", "none")
       .question("list", "print the names of the scenes", sceneLines)
       .question("families",
