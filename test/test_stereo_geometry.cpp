@@ -101,6 +101,37 @@ TEST(StereoGeometry, RefusesABaselineInAnotherUnitAndNamesTheUnit) {
   EXPECT_TRUE(names(complaint(kNaN), "baseline")) << complaint(kNaN);
 }
 
+TEST(StereoGeometry, RefusesACalibrationOfAnotherImageSizeAndNamesTheSize) {
+  for (const double factor : {1.2, 4.0 / 3.0, 1.5, 2.0, 0.75, 0.5}) {
+    for (const double cy_px : {0.47 * 480, 0.53 * 480}) {  // as far down as rectification moves it
+      const std::string text = message([&](auto& c) {
+        c.fx_px = c.fy_px = factor * c.fx_px;
+        c.cx_px = c.cx_right_px = factor * 320.0;
+        c.cy_px = factor * cy_px;
+      });
+      EXPECT_NE(text.find("far from the middle of 640 x 480 px: the calibration is likely of"), text.npos) << factor;
+    }
+  }
+  const std::string exact = message([](auto& c) {
+    c.cx_px = c.cx_right_px = 480.0;
+    c.cy_px = 360.0;
+  });
+  EXPECT_NE(exact.find("(480, 360)"), exact.npos) << exact;
+  EXPECT_NE(exact.find("likely of 960 x 720 px"), exact.npos) << exact;
+}
+
+TEST(StereoGeometry, APrincipalPointOffAlongOneSideIsALens) {
+  for (const double across : {0.44, 0.5, 0.65}) {  // as real rectified pairs have it
+    for (const double down : {0.47, 0.5, 0.53}) {
+      const auto moved = [&](auto& c) {
+        c.cx_px = c.cx_right_px = across * 640.0;
+        c.cy_px = down * 480.0;
+      };
+      EXPECT_EQ(message(moved), "accepted") << across << ' ' << down;
+    }
+  }
+}
+
 TEST(StereoGeometry, RefusesEachImpossibleNumberByName) {
   EXPECT_NE(message([](auto& c) { c.baseline_m = 0.0; }).find("baseline"), std::string::npos);
   EXPECT_NE(message([](auto& c) { c.fx_px = -350.0; }).find("fx"), std::string::npos);

@@ -1,5 +1,6 @@
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
 constexpr double kUsualBaselines_m[] = {0.03, 0.6};
+constexpr double kMiddle = 0.05;  // of an image's width and height: nearer to the middle is the principal point
 
 void requirePositive(double value, const char* name, std::string& faults) {
   if (!(value > 0.0 && std::isfinite(value))) {
@@ -43,6 +45,23 @@ void requireFinite(double value, const char* name, std::string& faults) {
   if (!std::isfinite(value)) faults += " " + std::string(name) + " must be finite;";
 }
 
+/// Lens and rectification move it by a twentieth of the image along one side; a calibration of another image size moves
+/// it along both, by one factor.
+void requirePrincipalPoint(const StereoCalibration& calibration, std::string& faults) {
+  const cv::Size& size_px = calibration.size_px;
+  const double across = calibration.cx_px / size_px.width - 0.5, down = calibration.cy_px / size_px.height - 0.5;
+  if (std::min(std::abs(across), std::abs(down)) <= kMiddle || across * down < 0.0) return;
+  const double factor = 1.0 + across + down;
+  std::ostringstream text;
+  text << " the principal point (" << calibration.cx_px << ", " << calibration.cy_px << ") is far from the middle of "
+       << size_px.width << " x " << size_px.height << " px";
+  if (factor > 0.0) {
+    text << ": the calibration is likely of " << std::lround(factor * size_px.width) << " x "
+         << std::lround(factor * size_px.height) << " px";
+  }
+  faults += text.str() + ";";
+}
+
 std::string faultsOf(const StereoCalibration& calibration) {
   std::string faults;
   if (calibration.size_px.width < 2 || calibration.size_px.height < 2) {
@@ -55,6 +74,7 @@ std::string faultsOf(const StereoCalibration& calibration) {
   requireFinite(calibration.cx_px, "cx", faults);
   requireFinite(calibration.cy_px, "cy", faults);
   requireFinite(calibration.cx_right_px, "right cx", faults);
+  if (faults.empty()) requirePrincipalPoint(calibration, faults);
   if (!(std::abs(calibration.cx_px - calibration.cx_right_px) < calibration.size_px.width)) {
     faults += " the principal points must differ by less than the width;";
   }
