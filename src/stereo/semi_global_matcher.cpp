@@ -29,7 +29,7 @@ struct SemiGlobalMatcher::Memory {
 };
 
 SemiGlobalMatcher::SemiGlobalMatcher(const MatcherSize& size, BandWorkers& workers)
-    : size_(size), bands_(std::max(1, (size.height_px + kBand_px / 2) / kBand_px)), workers_(workers) {
+    : size_(size), bands_(bandsOf(size.height_px)), workers_(workers) {
   throwIfImpossible(size);
   memory_ = std::make_unique<Memory>(size);
   for (int thread = 0; thread < workers.threads(); ++thread) memory_->bands.emplace_back(size);

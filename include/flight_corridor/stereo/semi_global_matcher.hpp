@@ -73,4 +73,10 @@ class SemiGlobalMatcher {
   std::unique_ptr<Memory> memory_;
 };
 
+/// Bands of an image: about kBand_px rows each.
+inline int bandsOf(int height_px) {
+  constexpr int kBand_px = SemiGlobalMatcher::kBand_px;
+  return height_px < kBand_px ? 1 : (height_px + kBand_px / 2) / kBand_px;
+}
+
 }  // namespace flight_corridor

@@ -1,0 +1,85 @@
+// The matcher on an OpenCL device, held to the CPU's. Where there is no device these tests are skipped; pocl is one.
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core/ocl.hpp>
+#include <random>
+#include <thread>
+
+#include "stereo/opencl/opencl_matcher.hpp"
+#include "support/matcher_cases.hpp"
+
+namespace flight_corridor {
+namespace {
+
+using namespace matcher_cases;
+
+class OpenClMatcherTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!cv::ocl::haveOpenCL()) GTEST_SKIP() << "no OpenCL device";
+  }
+
+  static Answers matchedByDevice(OpenClMatcher& matcher, const Pair& pair, const MatcherSize& size) {
+    Answers answers(size);
+    matcher.match(pair.leftView(), pair.rightView(), answers.planes());
+    return answers;
+  }
+};
+
+TEST_F(OpenClMatcherTest, EqualsTheCpuBitByBit) {
+  for (const MatcherSize& size : sizes()) {
+    OpenClMatcher matcher(size);
+    for (const Scene scene : kScenes) {
+      const Pair pair = makePair(scene, size, 1);
+      EXPECT_EQ(firstDifference(matchedByDevice(matcher, pair, size), matched(pair, size, 1)), "")
+          << describe(scene, size);
+    }
+  }
+}
+
+TEST_F(OpenClMatcherTest, EqualsTheCpuForTwoHundredPairsOfAnySize) {
+  std::mt19937 random(11);
+  const auto any = [&random](int first, int last) { return first + static_cast<int>(random() % (last - first + 1)); };
+  for (int i = 0; i < 20; ++i) {
+    const MatcherSize size{any(2, 120), any(2, 150), any(-20, 20), 32 * any(1, 8), static_cast<float>(any(-9, 9)) / 4};
+    OpenClMatcher matcher(size);
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const Scene scene = kScenes[seed % 4];
+      const Pair pair = makePair(scene, size, 100 + seed);
+      EXPECT_EQ(firstDifference(matchedByDevice(matcher, pair, size), matched(pair, size, 1)), "")
+          << describe(scene, size) << seed;
+    }
+  }
+}
+
+TEST_F(OpenClMatcherTest, TwoAtATimeDoNotDisturbEachOther) {
+  constexpr MatcherSize kSize{90, 130, -2, 64};
+  const auto fly = [&](unsigned seed) {
+    OpenClMatcher matcher(kSize);
+    for (unsigned i = 0; i < 10; ++i) {
+      const Pair pair = makePair(Scene::Surfaces, kSize, seed + i);
+      EXPECT_EQ(firstDifference(matchedByDevice(matcher, pair, kSize), matched(pair, kSize, 1)), "") << seed + i;
+    }
+  };
+  std::thread other(fly, 100);
+  fly(200);
+  other.join();
+}
+
+TEST_F(OpenClMatcherTest, ServesAnotherThreadThanTheOneThatMadeIt) {
+  constexpr MatcherSize kSize{90, 40, -2, 64};
+  OpenClMatcher matcher(kSize);
+  const Pair pair = makePair(Scene::Surfaces, kSize, 3);
+  Answers answers(kSize);
+  std::thread([&] { answers = matchedByDevice(matcher, pair, kSize); }).join();
+  EXPECT_EQ(firstDifference(answers, matched(pair, kSize, 1)), "");
+}
+
+TEST_F(OpenClMatcherTest, MoreMemoryThanThereIsIsRefused) {
+  constexpr MatcherSize kSize{60000, 60000, 0, 256};  // 5 TB
+  EXPECT_THROW(OpenClMatcher matcher(kSize), DeviceError);
+}
+
+}  // namespace
+}  // namespace flight_corridor
