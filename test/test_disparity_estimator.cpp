@@ -165,5 +165,61 @@ TEST(DisparityEstimator, RefusesMoreDisparitiesThanAByteNumbers) {
   EXPECT_EQ(check(config).size(), 1u);
 }
 
+/// Matches some pairs as the CPU does, and fails from then on.
+class FailingMatcher : public DeviceMatcher {
+ public:
+  FailingMatcher(const MatcherSize& size, int good_pairs)
+      : workers_(1), matcher_(size, workers_), good_pairs_(good_pairs) {}
+
+  std::string name() const override { return "a GPU"; }
+  void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) override {
+    if (--good_pairs_ < 0) throw DeviceError("it is gone");
+    matcher_.match(left, right, out);
+  }
+
+ private:
+  BandWorkers workers_;
+  SemiGlobalMatcher matcher_;
+  int good_pairs_;
+};
+
+StereoConfig onDevice(const std::string& device) {
+  StereoConfig config;
+  config.device = device;
+  return config;
+}
+
+TEST(DisparityEstimator, MatchesOnTheCpuOnceTheDeviceHasFailed) {
+  const StereoGeometry geometry(smallCalibration());
+  const StereoFrame frame = wallFrame(geometry, 12, 0.0);
+  DisparityEstimator estimator(onDevice("gpu"), geometry, kSmallest_m,
+                               [](const MatcherSize& size) { return std::make_unique<FailingMatcher>(size, 1); });
+  const Disparity alone = estimate(frame, geometry);
+  for (const bool has_failed : {false, true, true}) {
+    Disparity disparity;
+    estimator.estimate(frame, disparity);
+    EXPECT_EQ(cv::norm(disparity.set, alone.set, cv::NORM_INF), 0.0);
+    EXPECT_EQ(disparity.matched_fraction, alone.matched_fraction);
+    EXPECT_EQ(estimator.device().name, has_failed ? "CPU" : "a GPU");
+    EXPECT_EQ(estimator.device().failure, has_failed ? "it is gone" : "");
+  }
+}
+
+TEST(DisparityEstimator, DoesWithoutADeviceThatIsNotThereOrCannotBeUsed) {
+  const StereoGeometry geometry(smallCalibration());
+  const DeviceMatcherFactory none = [](const MatcherSize&) { return nullptr; };
+  const DeviceMatcherFactory broken = [](const MatcherSize&) -> std::unique_ptr<DeviceMatcher> {
+    throw DeviceError("broken");
+  };
+  const auto failure = [&](const char* device, const DeviceMatcherFactory& make) {
+    return DisparityEstimator(onDevice(device), geometry, kSmallest_m, make).device().failure;
+  };
+  EXPECT_EQ(failure("cpu", broken), "");
+  EXPECT_EQ(failure("auto", none), "");
+  EXPECT_EQ(failure("auto", broken), "broken");
+  EXPECT_EQ(failure("gpu", none), "there is no GPU");
+  EXPECT_EQ(failure("gpu", broken), "broken");
+}
+
 }  // namespace
 }  // namespace flight_corridor

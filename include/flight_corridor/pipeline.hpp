@@ -107,6 +107,8 @@ class Pipeline {
   const Config& config() const { return config_; }
   const StereoGeometry& geometry() const { return geometry_; }
   const Counters& counters() const { return counters_; }
+  /// Where pairs are matched.
+  const MatchingDevice& matchingDevice() const { return disparity_estimator_.device(); }
   /// Nothing nearer is seen by stereo: that space stays unobserved [m].
   double nearestDepth() const { return disparity_estimator_.nearestDepth(); }
   /// Whether stereo sees all that corridor/blind_m does not excuse: then rays may be cleared from the camera on.

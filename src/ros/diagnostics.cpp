@@ -23,12 +23,13 @@ void Diagnostics::countPair() {
 }
 
 void Diagnostics::record(const flight_corridor::Report& report, const flight_corridor::Counters& counters,
-                         double age_s) {
+                         const flight_corridor::MatchingDevice& device, double age_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++verdicts_;
   refused_ += isRefusal(report);
   report_ = report;
   counters_ = counters;
+  device_ = device;
   age_s_ = age_s;
 }
 
@@ -103,8 +104,10 @@ void Diagnostics::describeCorridor(Status& status) {
 void Diagnostics::describeTime(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   status.summary(DiagnosticStatus::OK, "of the newest verdict");
+  if (!device_.failure.empty()) status.summary(DiagnosticStatus::WARN, "matched on the CPU: " + device_.failure);
   status.add("verdicts out [Hz]", verdicts_hz_);
   status.add("age of the answer [s]", age_s_);
+  status.add("matched on", device_.name);
   status.add("stereo [ms]", report_.times.stereo_ms);
   status.add("fusion [ms]", report_.times.fusion_ms);
   status.add("cloud [ms]", report_.times.cloud_ms);

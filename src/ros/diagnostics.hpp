@@ -18,7 +18,8 @@ class Diagnostics {
   /// A stereo pair came.
   void countPair();
   /// A verdict was published; the counters are the pipeline's, all 0 without one.
-  void record(const flight_corridor::Report& report, const flight_corridor::Counters& counters, double age_s);
+  void record(const flight_corridor::Report& report, const flight_corridor::Counters& counters,
+              const flight_corridor::MatchingDevice& device, double age_s);
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
@@ -37,6 +38,7 @@ class Diagnostics {
   ros::WallTime described_ = ros::WallTime::now();
   flight_corridor::Report report_;
   flight_corridor::Counters counters_;
+  flight_corridor::MatchingDevice device_;
   double age_s_ = flight_corridor::kNaN;
   diagnostic_updater::Updater updater_;
   Heartbeat heartbeat_;

@@ -110,7 +110,8 @@ void Node::answer(const StereoMessages& pair) {
 void Node::publish(const std_msgs::Header& header, const Report& report) {
   publishers_.publishVerdict(header, report);
   answered_s_ = steadySeconds();
-  diagnostics_.record(report, processor_.counters(), ros::Time::now().toSec() - header.stamp.toSec());
+  diagnostics_.record(report, processor_.counters(), processor_.device(),
+                      ros::Time::now().toSec() - header.stamp.toSec());
 }
 
 /// What else the refusal of a pair, or its absence, means to those who listen.

@@ -14,7 +14,9 @@ using flight_corridor::Violations;
 // The one place where a key meets its field.
 
 Fields bind(flight_corridor::StereoConfig& c) {
-  return {{"num_disparities_px", &c.num_disparities_px}, {"min_matched_fraction", &c.min_matched_fraction}};
+  return {{"num_disparities_px", &c.num_disparities_px},
+          {"min_matched_fraction", &c.min_matched_fraction},
+          {"device", &c.device}};
 }
 
 Fields bind(flight_corridor::LidarConfig& c) {

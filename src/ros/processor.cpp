@@ -60,6 +60,7 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
   left_ = readImage(pair.left, *pair.left_info);
   const auto right = readImage(pair.right, *pair.right_info);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
+  rig_.watchDevice();
   explain(pair, right->image);
   has_products_ = !isRefusal(report_);
   if (has_products_) map_header_ = headerOfMap(header);

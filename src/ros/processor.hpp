@@ -24,6 +24,7 @@ bool isRefusal(const flight_corridor::Report& report);
 class Processor {
  public:
   /// @param inbox where the LiDAR's and the imu's readings wait.
+  /// @throws std::invalid_argument when stereo/device is "gpu" and none matches pairs: requireDevice().
   Processor(const NodeConfig& config, const Transforms& transforms, Inbox& inbox)
       : config_(config),
         transforms_(transforms),
@@ -31,7 +32,9 @@ class Processor {
         up_(config.ros.gravity_frame, transforms, config.ros.tf_timeout_s),
         rig_(config.core, transforms, config.ros.tf_timeout_s, up_),
         accelerometer_(config.ros.gravity_frame, transforms),
-        empty_map_(config.core.map.resolution_m) {}
+        empty_map_(config.core.map.resolution_m) {
+    flight_corridor::requireDevice(config.core.stereo);
+  }
 
   /// The verdict for one pair; a stamp more than a second before the newest pair's starts everything anew, a smaller
   /// step back is refused, and so is no stamp at all.
@@ -70,6 +73,8 @@ class Processor {
   const sensor_msgs::CameraInfoConstPtr& leftInfo() const { return left_info_; }
   /// Of the present pipeline, and of the readings that were refused before it; all 0 without one.
   flight_corridor::Counters counters();
+  /// Where pairs are matched; the CPU before the first pair.
+  flight_corridor::MatchingDevice device() const { return rig_.device(); }
 
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);

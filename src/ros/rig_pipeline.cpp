@@ -62,8 +62,8 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   pipeline_ = std::move(pipeline);
   is_fit_ = true;
   const StereoCalibration& calibration = geometry.calibration();
-  ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m", calibration.size_px.width, calibration.size_px.height,
-           calibration.fx_px, calibration.baseline_m);
+  ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, matched on %s", calibration.size_px.width, calibration.size_px.height,
+           calibration.fx_px, calibration.baseline_m, pipeline_->matchingDevice().name.c_str());
   if (!pipeline_->seesFromBlind()) {
     ROS_WARN(
         "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): what lies between is unobserved, "
@@ -80,6 +80,21 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
         "and the verdict is FREE. Give larger images (ros/scale), or a shorter corridor/length_m: %.0f px are needed",
         corridor.smallest_obstacle_m, smallest_px, kNarrowest_px);
   }
+}
+
+void RigPipeline::watchDevice() {
+  const std::string& failure = pipeline_->matchingDevice().failure;
+  if (failure.empty() || !device_failure_.empty()) return;
+  ROS_WARN("from now on pairs are matched on the CPU (stereo/device: %s): %s", config_.stereo.device.c_str(),
+           failure.c_str());
+  device_failure_ = failure;
+  config_.stereo.device = "cpu";
+}
+
+flight_corridor::MatchingDevice RigPipeline::device() const {
+  flight_corridor::MatchingDevice device = is_fit_ ? pipeline_->matchingDevice() : flight_corridor::MatchingDevice();
+  device.failure = device_failure_;
+  return device;
 }
 
 void RigPipeline::setCorridor(const flight_corridor::CorridorConfig& corridor) {

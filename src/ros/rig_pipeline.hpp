@@ -35,6 +35,11 @@ class RigPipeline {
   bool isLidar(const std::string& frame) const { return hasLidar() && withoutSlash(frame) == lidar_frame_; }
   bool hasLidar() const { return T_C_L_.has_value(); }
 
+  /// After a pair: warns once when the GPU that was asked for does not match pairs; later rigs do without it.
+  void watchDevice();
+
+  /// Where pairs are matched.
+  flight_corridor::MatchingDevice device() const;
   /// Valid after fit() returned 0.
   flight_corridor::Pipeline& operator*() { return *pipeline_; }
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
@@ -63,7 +68,8 @@ class RigPipeline {
   std::optional<Eigen::Isometry3d> T_C_L_;
   bool lidar_moved_ = false;  // since the pipeline got its pose
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
-  bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
+  bool is_fit_ = false;         // else pipeline_ is only remembered for the next one to take over from
+  std::string device_failure_;  // of any rig so far
   Throttle warning_, lidar_warning_, level_warning_;
 };
 

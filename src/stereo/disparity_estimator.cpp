@@ -49,16 +49,27 @@ Violations check(const StereoConfig& config) {
                 config.num_disparities_px);
   rules.require(0.0 <= config.min_matched_fraction && config.min_matched_fraction <= 1.0, "min_matched_fraction",
                 "0 to 1", config.min_matched_fraction);
+  const bool is_known = config.device == "cpu" || config.device == "gpu" || config.device == "auto";
+  rules.require(is_known, "device", "cpu, gpu or auto", config.device);
   return rules.broken();
 }
 
 DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry,
-                                       double smallest_obstacle_m)
+                                       double smallest_obstacle_m, const DeviceMatcherFactory& make_device_matcher)
     : num_disparities_(valid(config, geometry).num_disparities_px),
       geometry_(geometry),
       workers_(std::max(1, cv::getNumThreads())),
       matcher_(matcherSize(geometry, num_disparities_), workers_),
-      patches_(geometry, smallest_obstacle_m, workers_) {}
+      patches_(geometry, smallest_obstacle_m, workers_) {
+  if (config.device == "cpu") return;
+  try {
+    device_matcher_ = make_device_matcher(matcherSize(geometry, num_disparities_));
+    if (device_matcher_) device_.name = device_matcher_->name();
+    if (!device_matcher_ && config.device == "gpu") device_.failure = "there is no GPU";
+  } catch (const DeviceError& error) {
+    device_.failure = error.what();
+  }
+}
 
 void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   match(frame, out);
@@ -72,9 +83,22 @@ void DisparityEstimator::match(const StereoFrame& frame, DisparityEvidence& out)
   for (cv::Mat* map : {&out.best_px, &out.repeated_px}) map->create(size, CV_32FC1);
   for (cv::Mat* map : {&out.flags, &out.competitor_farthest, &out.competitor_nearest}) map->create(size, CV_8UC1);
   out.set.create(size, CV_8UC(storedDisparities(num_disparities_) / 8));
-  matcher_.match(viewOf(frame.left), viewOf(frame.right),
-                 {out.best_px.ptr<float>(), out.repeated_px.ptr<float>(), out.competitor_farthest.data,
-                  out.competitor_nearest.data, out.flags.data, reinterpret_cast<std::uint64_t*>(out.set.data)});
+  const GreyImage left = viewOf(frame.left), right = viewOf(frame.right);
+  const MatchPlanes planes{out.best_px.ptr<float>(),
+                           out.repeated_px.ptr<float>(),
+                           out.competitor_farthest.data,
+                           out.competitor_nearest.data,
+                           out.flags.data,
+                           reinterpret_cast<std::uint64_t*>(out.set.data)};
+  if (device_matcher_) {
+    try {
+      return device_matcher_->match(left, right, planes);
+    } catch (const DeviceError& error) {
+      device_matcher_.reset();  // one that failed is not to be trusted
+      device_ = {MatchingDevice().name, error.what()};
+    }
+  }
+  matcher_.match(left, right, planes);
 }
 
 double DisparityEstimator::nearestDepth() const {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <opencv2/core/mat.hpp>
+#include <string>
 
 #include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/stereo/device_matcher.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
 #include "flight_corridor/stereo/patches.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
@@ -15,20 +18,34 @@ namespace flight_corridor {
 struct StereoConfig {
   int num_disparities_px = 128;        ///< Search range, a multiple of 32.
   double min_matched_fraction = 0.08;  ///< Fewer matched pixels: no verdict FREE.
+  std::string device = "cpu";          ///< "cpu"; "gpu", by OpenCL; "auto": the GPU where there is one.
 };
 Violations check(const StereoConfig& config);
+
+/// Throws unless device is "cpu" or "auto", or there is a GPU that matches a small pair as the CPU does.
+/// @throws std::invalid_argument naming what is missing.
+void requireDevice(const StereoConfig& config);
+
+/// Where pairs are matched.
+struct MatchingDevice {
+  std::string name = "CPU";
+  std::string failure;  ///< Why it is the CPU although there is, or should be, a GPU; "": it is as asked for.
+};
 
 /// What a pair says of each pixel: matches that form patches, and their doubt.
 struct Disparity : DisparityEvidence {
   double matched_fraction = 0.0;  ///< Share of pixels with a match [0..1].
 };
 
-/// Disparity of rectified pairs. One object, one thread; output buffers are reused.
+/// Disparity of rectified pairs, the same on every device. When a device fails, that pair and all further ones are
+/// matched on the CPU. One object, one thread; output buffers are reused.
 class DisparityEstimator {
  public:
   /// @param smallest_obstacle_m smaller patches of matches are removed, see Patches.
+  /// @param make_device_matcher of config.device "gpu" or "auto".
   /// @throws std::invalid_argument with every broken rule, or when the image is too narrow for the search.
-  DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry, double smallest_obstacle_m);
+  DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry, double smallest_obstacle_m,
+                     const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
 
   void setSmallestObstacle(double edge_m) { patches_.setSmallestObstacle(edge_m); }
 
@@ -43,6 +60,8 @@ class DisparityEstimator {
   /// Threads for further work on the pair; cv::getNumThreads() at construction.
   BandWorkers& workers() { return workers_; }
 
+  const MatchingDevice& device() const { return device_; }
+
   /// Nothing nearer is found: a smaller disparity is taken for it, or none [m].
   double nearestDepth() const;
 
@@ -51,6 +70,8 @@ class DisparityEstimator {
   StereoGeometry geometry_;
   BandWorkers workers_;
   SemiGlobalMatcher matcher_;
+  std::unique_ptr<DeviceMatcher> device_matcher_;  // none: the CPU's
+  MatchingDevice device_;
   Patches patches_;
 };
 

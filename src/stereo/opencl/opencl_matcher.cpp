@@ -1,139 +1,150 @@
 #include "stereo/opencl/opencl_matcher.hpp"
 
-#include <initializer_list>
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <opencv2/core/ocl.hpp>
+#include <stdexcept>
+#include <vector>
 
-#include "flight_corridor/stereo/matching_rules.hpp"
-#include "stereo/opencl/kernel_options.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "stereo/opencl/kernel_source.hpp"
+#include "stereo/opencl/kernels.hpp"
 
 namespace flight_corridor {
 
 namespace {
 
-cv::ocl::Kernel makeKernel(const char* name, const cv::ocl::Program& program) {
-  cv::ocl::Kernel kernel(name, program);
-  if (kernel.empty()) throw DeviceError(std::string("OpenCL: no kernel ") + name);
-  return kernel;
-}
-
-cv::ocl::Program compile(const MatcherSize& size) {
-  if (!cv::ocl::haveOpenCL() || !cv::ocl::Device::getDefault().available()) {
-    throw DeviceError("OpenCL finds no device: install the GPU's driver with its OpenCL part, see clinfo");
-  }
-  const cv::ocl::ProgramSource source("flight_corridor", "semi_global_matcher", opencl::kKernelSource, "");
-  cv::String errors;
-  const cv::ocl::Program program =
-      cv::ocl::Context::getDefault().getProg(source, opencl::kernelOptions(size), errors);
-  if (program.ptr() == nullptr) throw DeviceError("OpenCL: the kernels cannot be compiled: " + errors.substr(0, 500));
-  return program;
-}
-
-size_t roundedUp(int count, int step) { return static_cast<size_t>((count + step - 1) / step) * step; }
-
-void run(cv::ocl::Kernel& kernel, std::initializer_list<size_t> global, std::initializer_list<size_t> local,
-         const std::vector<cv::UMat*>& buffers) {
-  int index = 0;
-  for (const cv::UMat* buffer : buffers) index = kernel.set(index, cv::ocl::KernelArg::PtrReadWrite(*buffer));
-  size_t global_size[3], local_size[3];
-  std::copy(global.begin(), global.end(), global_size);
-  std::copy(local.begin(), local.end(), local_size);
-  if (!kernel.run(static_cast<int>(global.size()), global_size, local_size, true)) {
-    throw DeviceError("OpenCL: a kernel does not run");
-  }
-}
+constexpr char kNoDevice[] = "OpenCL finds no GPU: install its driver with OpenCL (clinfo lists it)";
 
 /// OpenCV's errors as DeviceError.
 template <class Job>
-void onDevice(Job&& job) {
+auto onDevice(Job&& job) {
   try {
-    job();
+    return job();
   } catch (const cv::Exception& error) {
     throw DeviceError("OpenCL: " + error.err);
   }
 }
 
+void requireLocalMemory(const MatcherSize& size) {
+  const std::size_t needed = opencl::localMemory(size), available = cv::ocl::Device::getDefault().localMemSize();
+  if (needed <= available) return;
+  throw DeviceError("OpenCL: an image so wide needs " + std::to_string(needed) +
+                    " bytes of local memory, the device has " + std::to_string(available));
+}
+
+cv::ocl::Program compile(const MatcherSize& size) {
+  if (!OpenClMatcher::hasDevice()) throw DeviceError(kNoDevice);
+  requireLocalMemory(size);
+  const cv::ocl::ProgramSource source("flight_corridor", "semi_global_matcher", opencl::kKernelSource, "");
+  cv::String errors;
+  const cv::ocl::Program program = cv::ocl::Context::getDefault().getProg(source, opencl::kernelOptions(size), errors);
+  if (program.ptr() != nullptr) return program;
+  throw DeviceError("OpenCL: the kernels cannot be compiled: " + errors.substr(0, errors.find('\n')));
+}
+
+/// A view of what the device's memory is copied from or to.
+cv::Mat rows(const void* bytes, int height, int width, std::ptrdiff_t stride) {
+  return {height, width, CV_8UC1, const_cast<void*>(bytes), static_cast<std::size_t>(stride)};
+}
+
 }  // namespace
 
 struct OpenClMatcher::Device {
-  explicit Device(const MatcherSize& size)
-      : program(compile(size)),
-        census(makeKernel("census", program)),
-        aggregate(makeKernel("aggregate", program)),
-        find_minima(makeKernel("findMinima", program)),
-        judge(makeKernel("judge", program)),
-        fit(makeKernel("fit", program)),
-        average(makeKernel("average", program)) {
-    const int rows = size.height_px, columns = size.width_px;
-    const auto allocate = [rows](cv::UMat& buffer, int buffer_columns, int type) {
-      buffer.create(rows, buffer_columns, type);
-      if (buffer.u->handle == nullptr) throw DeviceError("OpenCL: the device has not enough memory");
-    };
-    for (cv::UMat* image : {&left, &right}) allocate(*image, columns, CV_8UC1);
-    for (cv::UMat* codes : {&left_codes, &right_codes}) allocate(*codes, columns, CV_16UC1);
-    for (cv::UMat& path : paths) allocate(path, columns * size.num_disparities, CV_8UC1);
-    for (cv::UMat* plane : {&winner, &rise_below, &rise_above, &flags, &farthest, &nearest})
-      allocate(*plane, columns, CV_8UC1);
-    allocate(set, columns, CV_8UC(storedDisparities(size.num_disparities) / 8));
-    allocate(fixed, columns, CV_16SC1);
-    for (cv::UMat* plane : {&best, &repeated}) allocate(*plane, columns, CV_32FC1);
+  explicit Device(const MatcherSize& size) : program(compile(size)), steps(opencl::stepsFor(size)) {
+    for (int i = 0; i < opencl::kBuffers; ++i) {
+      const auto [height, width] = opencl::extentOf(opencl::Buffer(i), size);
+      buffers[i].create(height, width, CV_8UC1);
+      if (buffers[i].u->handle != nullptr) continue;
+      throw DeviceError("OpenCL: the device gives no memory of " + std::to_string(buffers[i].total()) + " bytes");
+    }
+    for (const opencl::Step& step : steps) kernels.emplace_back(step.kernel, program);
+  }
+
+  void upload(const cv::Mat& from, opencl::Buffer to) {
+    if (from.size() != buffers[to].size()) throw DeviceError("OpenCL: the matcher is of another image size");
+    from.copyTo(buffers[to]);
+  }
+
+  void run(std::size_t step) {
+    std::array<std::size_t, 3> work_items = steps[step].work_items, group = steps[step].group;
+    int index = 0;
+    for (const opencl::Buffer buffer : steps[step].arguments) {
+      index = kernels[step].set(index, cv::ocl::KernelArg::PtrReadWrite(buffers[buffer]));
+    }
+    if (index >= 0 && kernels[step].run(3, work_items.data(), group.data(), true)) return;
+    throw DeviceError(std::string("OpenCL: kernel ") + steps[step].kernel + " does not run");
   }
 
   cv::ocl::Program program;
-  cv::ocl::Kernel census, aggregate, find_minima, judge, fit, average;
-  cv::UMat left, right, left_codes, right_codes, paths[5];
-  cv::UMat winner, rise_below, rise_above, flags, farthest, nearest, set, fixed, best, repeated;
+  std::vector<opencl::Step> steps;
+  std::vector<cv::ocl::Kernel> kernels;  // a step
+  std::array<cv::UMat, opencl::kBuffers> buffers;
 };
 
-OpenClMatcher::OpenClMatcher(const MatcherSize& size) : size_(size) {
+OpenClMatcher::OpenClMatcher(const MatcherSize& size) {
   onDevice([&] { device_ = std::make_unique<Device>(size); });
 }
 
 OpenClMatcher::~OpenClMatcher() = default;
 
-bool OpenClMatcher::isHostProcessor() {
-  return cv::ocl::haveOpenCL() && (cv::ocl::Device::getDefault().type() & cv::ocl::Device::TYPE_CPU) != 0;
+bool OpenClMatcher::hasDevice() {
+  return onDevice(
+      [] { return cv::ocl::haveOpenCL() && cv::ocl::useOpenCL() && cv::ocl::Device::getDefault().available(); });
 }
 
 std::string OpenClMatcher::name() const {
-  const cv::ocl::Device& device = cv::ocl::Device::getDefault();
-  return device.name() + " (" + device.version() + ")";
+  return onDevice([] {
+    const cv::ocl::Device& device = cv::ocl::Device::getDefault();
+    return std::string(device.name() + " (" + device.version() + ")");
+  });
 }
 
 void OpenClMatcher::match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) {
   onDevice([&] {
-    Device& d = *device_;
-    const int width = size_.width_px, height = size_.height_px, bands = bandsOf(height);
-    const auto upload = [](const GreyImage& image, cv::UMat& to) {
-      cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels), image.stride).copyTo(to);
-    };
-    const std::initializer_list<size_t> tiles{roundedUp(width, 16), roundedUp(height, 4)};
-    upload(left, d.left);
-    run(d.census, tiles, {16, 4}, {&d.left, &d.left_codes});
-    upload(right, d.right);
-    run(d.census, tiles, {16, 4}, {&d.right, &d.right_codes});
-    const int lines = width + (height + bands - 1) / bands + SemiGlobalMatcher::kRunUp_px;  // of an oblique path
-    run(d.aggregate, {static_cast<size_t>(lines) * opencl::kLanes, static_cast<size_t>(bands), 5}, {opencl::kLanes, 1, 1},
-        {&d.left, &d.left_codes, &d.right_codes, &d.paths[0], &d.paths[1], &d.paths[2], &d.paths[3], &d.paths[4]});
-    run(d.find_minima, {static_cast<size_t>(height) * opencl::kGroup}, {opencl::kGroup},
-        {&d.paths[0], &d.paths[1], &d.paths[2], &d.paths[3], &d.paths[4], &d.winner, &d.rise_below, &d.rise_above,
-         &d.flags, &d.set});
-    run(d.judge, {roundedUp(width, opencl::kTile_px) / opencl::kTile_px * opencl::kGroup, static_cast<size_t>(height)},
-        {opencl::kGroup, 1},
-        {&d.left_codes, &d.right_codes, &d.winner, &d.flags, &d.farthest, &d.nearest});
-    run(d.fit, tiles, {16, 4}, {&d.left, &d.right, &d.winner, &d.rise_below, &d.rise_above, &d.flags, &d.fixed});
-    run(d.average, tiles, {16, 4}, {&d.fixed, &d.flags, &d.best, &d.repeated});
-    const auto download = [&](const cv::UMat& from, void* to) {
-      from.copyTo(cv::Mat(height, width, from.type(), to));
-    };
-    download(d.set, out.set);
-    download(d.flags, out.flags);
-    download(d.farthest, out.competitor_farthest);
-    download(d.nearest, out.competitor_nearest);
-    download(d.best, out.best);
-    download(d.repeated, out.repeated);
+    ++pairs_;
+    device_->upload(rows(left.pixels, left.height, left.width, left.stride), opencl::kLeft);
+    device_->upload(rows(right.pixels, right.height, right.width, right.stride), opencl::kRight);
+    device_->upload(rows(&pairs_, 1, sizeof pairs_, sizeof pairs_), opencl::kPairNumber);
+    for (std::size_t step = 0; step < device_->steps.size(); ++step) device_->run(step);
+    std::uint32_t done = 0;
+    for (const auto& [buffer, to] : opencl::resultsTo(out, done)) {
+      const cv::UMat& from = device_->buffers[buffer];
+      from.copyTo(rows(to, from.rows, from.cols, from.cols));
+    }
+    if (done != pairs_) throw DeviceError("OpenCL: the device has not matched this pair");  // OpenCV drops some errors
   });
+}
+
+std::unique_ptr<DeviceMatcher> makeOpenClMatcher(const MatcherSize& size) {
+  return OpenClMatcher::hasDevice() ? std::make_unique<OpenClMatcher>(size) : nullptr;
+}
+
+void requireDevice(const StereoConfig& config) {
+  if (config.device != "gpu") return;
+  constexpr MatcherSize kSize{64, 32, 0, 32};
+  constexpr int kPixels = kSize.width_px * kSize.height_px, kShift_px = 5;
+  std::vector<std::uint8_t> grey(kPixels + kShift_px);
+  for (int i = 0; i < kPixels + kShift_px; ++i) grey[i] = static_cast<std::uint8_t>(i * i % 251);
+  const GreyImage left{grey.data(), kSize.width_px, kSize.height_px, kSize.width_px};
+  const GreyImage right{grey.data() + kShift_px, kSize.width_px, kSize.height_px, kSize.width_px};
+  const auto set_by = [&](auto&& matcher) {
+    std::vector<float> best(kPixels), repeated(kPixels);
+    std::vector<std::uint8_t> farthest(kPixels), nearest(kPixels), flags(kPixels);
+    std::vector<std::uint64_t> set(kPixels);
+    matcher.match(left, right,
+                  {best.data(), repeated.data(), farthest.data(), nearest.data(), flags.data(), set.data()});
+    return set;
+  };
+  try {
+    BandWorkers workers(1);
+    if (set_by(OpenClMatcher(kSize)) == set_by(SemiGlobalMatcher(kSize, workers))) return;
+    throw DeviceError("OpenCL: the device finds other matches than the CPU");
+  } catch (const DeviceError& error) {
+    throw std::invalid_argument("stereo/device: gpu: " + std::string(error.what()) + ", or choose cpu or auto");
+  }
 }
 
 }  // namespace flight_corridor

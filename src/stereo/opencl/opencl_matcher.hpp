@@ -1,16 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
+#include "flight_corridor/stereo/device_matcher.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
-#include "stereo/device_matcher.hpp"
 
 namespace flight_corridor {
 
-/// Semi-global matching by OpenCL on OpenCV's default device of the process (OPENCV_OPENCL_DEVICE chooses another): the
-/// same bits as SemiGlobalMatcher. Kernels are compiled at construction, or come from OpenCV's cache; device memory,
-/// 5 bytes a pixel and disparity and some, is taken there, too.
+/// Semi-global matching by OpenCL on OpenCV's default device of the process, a GPU, or what OPENCV_OPENCL_DEVICE names:
+/// the same evidence as SemiGlobalMatcher's. Kernels are compiled at construction, or come from OpenCV's cache; device
+/// memory is 5 bytes a pixel and disparity, and some.
 /// One object, one caller at a time.
 class OpenClMatcher : public DeviceMatcher {
  public:
@@ -18,17 +19,16 @@ class OpenClMatcher : public DeviceMatcher {
   explicit OpenClMatcher(const MatcherSize& size);
   ~OpenClMatcher() override;
 
-  /// The device, its driver's version: "NVIDIA H100 PCIe (OpenCL 3.0 CUDA)".
+  /// Whether OpenCV has found a device.
+  static bool hasDevice();
+
   std::string name() const override;
   void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) override;
-
-  /// Whether the default device is a processor of the host; false without one.
-  static bool isHostProcessor();
 
  private:
   struct Device;
 
-  MatcherSize size_;
+  std::uint32_t pairs_ = 0;
   std::unique_ptr<Device> device_;
 };
 

@@ -1,5 +1,5 @@
 // Semi-global matching that keeps its doubt, on an OpenCL 1.2 device: for each pair the same bits as the CPU's matcher.
-// The rules are those of matching_rules.hpp; kernel_options.hpp defines its constants here, and the sizes. Planes have
+// The rules are those of matching_rules.hpp; kernels.hpp defines its constants here, and the sizes. Planes have
 // HEIGHT rows of WIDTH pixels; volumes have DISPARITIES bytes a pixel.
 
 #define PER_LANE (DISPARITIES / LANES)  // disparities of a curve that LANES work-items share
@@ -256,9 +256,11 @@ __kernel void fit(__global const uchar* left, __global const uchar* right, __glo
 }
 
 /// Matches averaged over their neighbours, a pixel a work-item; repeated ones apart.
+/// @param pair_number goes to done: the kernels of this pair, the last of which this is, have run.
 __kernel void average(__global const short* fixed, __global const uchar* flags, __global float* best,
-                      __global float* repeated) {
+                      __global float* repeated, __global const uint* pair_number, __global uint* done) {
   const int u = get_global_id(0), v = get_global_id(1), at = v * WIDTH + u;
+  if (u == 0 && v == 0) *done = *pair_number;
   if (u >= WIDTH || v >= HEIGHT) return;
   best[at] = repeated[at] = NAN;
   const int middle = fixed[at];

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -20,5 +22,12 @@ class DeviceMatcher {
   /// @throws DeviceError; out is then of no use.
   virtual void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) = 0;
 };
+
+/// Makes one: null without a device.
+/// @throws DeviceError when there is one that cannot be used.
+using DeviceMatcherFactory = std::function<std::unique_ptr<DeviceMatcher>(const MatcherSize&)>;
+
+/// By OpenCL, on a GPU or what OPENCV_OPENCL_DEVICE names.
+std::unique_ptr<DeviceMatcher> makeOpenClMatcher(const MatcherSize& size);
 
 }  // namespace flight_corridor
