@@ -44,16 +44,17 @@ TEST(Architecture, CoreAndSimulationIncludeNoRosHeader) {
   for (const fs::path& file : files) EXPECT_EQ(rosIncludes(file), std::vector<std::string>());
 }
 
-/// The wing that a file of the core lies in: a folder, or "" for what composes them.
-std::string wingOf(const fs::path& file) {
+/// The module that a file of the core lies in: a folder, or "" for what composes them.
+std::string moduleOf(const fs::path& file) {
   const fs::path folder = file.parent_path().filename();
   return folder == "src" || folder == "flight_corridor" ? "" : folder.string();
 }
 
-TEST(Architecture, ArrowsBetweenTheWingsPointDownwards) {
+TEST(Architecture, ArrowsBetweenTheModulesPointDownwards) {
   static const std::map<std::string, std::set<std::string>> may_use{
       {"geometry", {}},
       {"stereo", {"geometry"}},
+      {"opencl", {"stereo"}},
       {"range", {"geometry"}},
       {"map", {"geometry"}},
       {"corridor", {"geometry", "stereo", "range", "map"}},
@@ -64,14 +65,14 @@ TEST(Architecture, ArrowsBetweenTheWingsPointDownwards) {
   static const std::regex own("#include \"flight_corridor/(?:(\\w+)/)?(\\w+)\\.hpp\"");
   int arrows = 0;
   for (const fs::path& file : coreFiles()) {
-    const std::string wing = wingOf(file);
-    if (wing == "sim") continue;
-    ASSERT_TRUE(may_use.count(wing)) << file;
+    const std::string module = moduleOf(file);
+    if (module == "sim") continue;
+    ASSERT_TRUE(may_use.count(module)) << file;
     std::ifstream stream(file);
     std::smatch match;
     for (std::string line; std::getline(stream, line);) {
-      if (!std::regex_match(line, match, own) || match[1] == wing || kForAll.count(match[2])) continue;
-      EXPECT_TRUE(may_use.at(wing).count(match[1])) << file << ": " << line;
+      if (!std::regex_match(line, match, own) || match[1] == module || kForAll.count(match[2])) continue;
+      EXPECT_TRUE(may_use.at(module).count(match[1])) << file << ": " << line;
       ++arrows;
     }
   }
@@ -82,7 +83,7 @@ TEST(Architecture, OnlyTheViewKnowsPcl) {
   for (const fs::path& file : coreFiles()) {
     std::ifstream stream(file);
     for (std::string line; std::getline(stream, line);) {
-      EXPECT_TRUE(line.rfind("#include <pcl/", 0) != 0 || wingOf(file) == "view") << file << ": " << line;
+      EXPECT_TRUE(line.rfind("#include <pcl/", 0) != 0 || moduleOf(file) == "view") << file << ": " << line;
     }
   }
 }

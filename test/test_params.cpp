@@ -92,7 +92,10 @@ TEST(Params, NoValuesGiveTheDefaults) { EXPECT_EQ(toValues(makeConfig({})), toVa
 
 /// A value of a key that is not its default, and that no rule forbids.
 Value otherThan(const std::string& key, const Value& value) {
-  static const Values chosen = {{"stereo/num_disparities_px", 64}, {"map/log_odds_min", -1.9}, {"ros/scale", 0.5}};
+  static const Values chosen = {{"stereo/num_disparities_px", 64},
+                                {"stereo/device", std::string("auto")},
+                                {"map/log_odds_min", -1.9},
+                                {"ros/scale", 0.5}};
   if (const auto found = chosen.find(key); found != chosen.end()) return found->second;
   if (const bool* flag = std::get_if<bool>(&value)) return !*flag;
   if (const int* integer = std::get_if<int>(&value)) return *integer + 1;
