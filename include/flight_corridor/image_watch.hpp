@@ -14,7 +14,7 @@ namespace flight_corridor {
 class ImageWatch {
  public:
   /// @return reasons: kBadImage where left and right are one image, kFrozenImage where an image equals that of a pair
-  /// before under another stamp; both to the last bit, which a camera's noise does not allow.
+  /// before under another stamp; both bit-identical, which a camera's noise does not allow.
   std::uint32_t faults(const StereoFrame& frame);
 
  private:

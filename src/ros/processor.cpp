@@ -167,7 +167,7 @@ void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
 void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   const bool is_empty = left_->image.empty() || right.empty();  // readImage() has spoken
   if ((report_.verdict.reasons & flight_corridor::kBadImage) && !is_empty && image_warning_.due()) {
-    ROS_ERROR("left and right image are equal to the last bit: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
+    ROS_ERROR("left and right image are bit-identical: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
               pair.left->header.frame_id.c_str(), pair.right->header.frame_id.c_str());
   }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {

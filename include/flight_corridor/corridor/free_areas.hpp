@@ -53,7 +53,7 @@ Eigen::Vector3d ahead(const FreeArea& area);
 
 /// The FREE direction nearest to a wanted one; of those that are as near, to a step, the one with most that is free
 /// beside it.
-/// @param goal_F wanted direction in the corridor's frame, of any length; one that is none: straight ahead.
+/// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
 /// @return -1: none is FREE.
 int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
 

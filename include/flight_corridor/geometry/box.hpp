@@ -15,7 +15,7 @@ struct Box {
   Eigen::Vector3d size_m{0, 0, 0};
 };
 
-/// What is wrong with a box of any place and size: a pose that is none, sides that are not above 0 and up to 100 m, or
+/// What is wrong with a box of any place and size: an invalid pose, sides that are not above 0 and up to 100 m, or
 /// so large a surface that looking at it would take longer than a frame.
 Violations check(const Box& box, double cell_m);
 

@@ -46,7 +46,7 @@ struct MatchPlanes {
   std::uint64_t* set;  ///< {d : S(d) <= min S + kContradiction}: bit d % 64 of word d / 64; whole words a pixel.
 };
 
-/// Semi-global matching (Hirschmueller 2008) that keeps its doubt: for each pixel the best disparity and all those that
+/// Semi-global matching (Hirschmueller 2008) that keeps for each pixel the best disparity and all those that
 /// the images do not contradict; matching_rules.hpp has the rules. Bands of rows are matched side by side; each begins
 /// some rows before its first one, so that its paths are settled there. Bands depend on the image's height alone: the
 /// result does not depend on how many threads, or which vector instructions, work on it.

@@ -1,4 +1,4 @@
-// Semi-global matching that keeps its doubt, on an OpenCL 1.2 device: for each pair the same bits as the CPU's matcher.
+// Semi-global matching on an OpenCL 1.2 device: the same evidence, bit by bit, as the CPU's matcher finds.
 // The rules are those of matching_rules.hpp; kernels.hpp defines its constants here, and the sizes. Planes have
 // HEIGHT rows of WIDTH pixels; volumes have DISPARITIES bytes a pixel.
 
