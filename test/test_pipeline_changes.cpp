@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,27 @@ TEST(PipelineChanges, AnotherClockGivesTheSameVerdicts) {
     EXPECT_EQ(now[i].clear_distance_m, later[i].clear_distance_m) << i;
     EXPECT_EQ(now[i].stamp_s + later_s, later[i].stamp_s) << i;
   }
+}
+
+TEST(PipelineChanges, OneThreadAndFourAnswerTheSame) {
+  const int threads = cv::getNumThreads();
+  for (const Scene& scene : scenes()) {
+    const StereoFrame pair = sim::stillPair(scene.world, 1);
+    cv::setNumThreads(1);
+    Pipeline alone({}, StereoGeometry(kRig), Rig());
+    cv::setNumThreads(4);
+    Pipeline with_others({}, StereoGeometry(kRig), Rig());
+    const Verdict one = alone.process(pair).verdict, four = with_others.process(pair).verdict;
+    EXPECT_EQ(one.reasons, four.reasons) << scene.name;
+    EXPECT_EQ(one.clear_distance_m, four.clear_distance_m) << scene.name;
+    EXPECT_EQ(one.unknown_fraction, four.unknown_fraction) << scene.name;
+    EXPECT_EQ(cv::norm(alone.disparity().set, with_others.disparity().set, cv::NORM_INF), 0.0) << scene.name;
+    const std::vector<FreeArea> areas = alone.freeAreas().areas, others = with_others.freeAreas().areas;
+    for (std::size_t i = 0; i < areas.size(); ++i) {
+      EXPECT_EQ(areas[i].verdict.reasons, others[i].verdict.reasons) << scene.name << ' ' << i;
+    }
+  }
+  cv::setNumThreads(threads);
 }
 
 /// A smear on the surface, not on the lens.
