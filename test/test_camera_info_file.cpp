@@ -7,6 +7,7 @@
 #include "ros/camera_info_file.hpp"
 #include "ros/conversions.hpp"
 #include "support/contains.hpp"
+#include "support/raw_rig.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace flight_corridor_ros {
@@ -63,6 +64,10 @@ TEST_F(CameraInfoFile, NamesEveryKeyThatIsMissingOrWrong) {
   EXPECT_TRUE(contains(complaintAboutCalibration(write("image_width", "width")), "image_width"));
   EXPECT_TRUE(contains(complaintAboutCalibration(write("image_height: 480", "image_height: tall")), "image_height"));
   EXPECT_TRUE(contains(complaintAboutCalibration(write("458.654, ", "")), "camera_matrix (8 numbers, must be 9)"));
+  sensor_msgs::CameraInfo info = readCameraInfo(kEuroc + "left.yaml");
+  info.R.fill(0.0);
+  std::ofstream(path()) << flight_corridor::test_support::rosYaml(info);
+  EXPECT_TRUE(contains(complaintAboutCalibration(path()), "rectification_matrix (all 0"));
   std::ofstream(path()) << "image_width: 752\n";
   const std::string complaint = complaintAboutCalibration(path());
   for (const char* key : {"image_height", "distortion_model", "distortion_coefficients", "camera_matrix",

@@ -78,6 +78,20 @@ TEST_F(CalibrationFileTest, NamesAnEmptyFileAndOneThatIsNotThere) {
   EXPECT_THROW(readCalibration({folder.path("no.yaml")}, {{640, 480}}), std::runtime_error);
 }
 
+TEST_F(CalibrationFileTest, NamesTheFileTheNumbersAndTheLikelySizeWhereItIsOfAnotherSize) {
+  std::string text = with("cx", "427");
+  text.replace(text.find("cy: 240"), 7, "cy: 322");
+  EXPECT_NE(error(text).find("the principal point (427, 322) is far from the middle of 640 x 480 px: the calibration "
+                             "is likely of "),
+            std::string::npos)
+      << error(text);
+}
+
+TEST_F(CalibrationFileTest, NamesNoCamerasToChooseFrom) {
+  std::ofstream(path()) << kGood;
+  EXPECT_THROW(readCalibration({path()}, {{640, 480}, false, {}, {"cam1", ""}}), std::runtime_error);
+}
+
 TEST_F(CalibrationFileTest, SaysWhatIsNotToBeReadAsYaml) {
   const std::string text = error("fx: 350\n\tfy: [350\n");
   EXPECT_NE(text.find("as YAML it cannot be read: "), std::string::npos) << text;
@@ -105,8 +119,6 @@ TEST_P(ForeignCalibrationTest, IsRefusedWithItsKindAllMissingKeysAndTheConversio
 }
 
 constexpr Foreign kForeign[] = {
-    {"an OpenCV calibration in XML",
-     "<?xml version=\"1.0\"?>\n<opencv_storage>\n<M1 type_id=\"opencv-matrix\">\n</M1>\n", "YAML"},
     {"an ORB-SLAM settings file",
      "%YAML:1.0\nCamera.fx: 435.2\nCamera.fy: 435.2\nCamera.cx: 367.4\nCamera.cy: 252.2\nCamera.bf: 47.9\n",
      "Camera.bf / Camera.fx"},

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <opencv2/core/persistence.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 
 #include "ros/conversions.hpp"
 #include "support/raw_rig.hpp"
@@ -58,6 +60,21 @@ std::vector<std::string> writeInfos(const RawRig& rig) {
   return {info(rig.cameras.left), info(rig.cameras.right)};
 }
 
+/// As cv::FileStorage writes it.
+std::vector<std::string> writeXml(const RawRig& rig) {
+  cv::FileStorage file(".xml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  const auto [left, right] = std::tie(rig.cameras.left, rig.cameras.right);
+  Eigen::Matrix3d R = rig.T_right_left.linear();
+  Eigen::Vector3d T = rig.T_right_left.translation();
+  cv::Mat R_cv, T_cv;
+  cv::eigen2cv(R, R_cv);
+  cv::eigen2cv(T, T_cv);
+  file << "image_width" << static_cast<int>(left.width) << "image_height" << static_cast<int>(left.height);
+  file << "M1" << cv::Mat(test_support::matrixK(left)) << "D1" << cv::Mat(left.D) << "R" << R_cv;
+  file << "M2" << cv::Mat(test_support::matrixK(right)) << "D2" << cv::Mat(right.D) << "T" << T_cv;
+  return {file.releaseAndGetString()};
+}
+
 const Kind kKinds[] = {
     {"Kalibr radtan", false, [](const RawRig& rig) { return std::vector{test_support::kalibrYaml(rig)}; }},
     {"Kalibr equidistant", true, [](const RawRig& rig) { return std::vector{test_support::kalibrYaml(rig)}; }},
@@ -71,7 +88,9 @@ const Kind kKinds[] = {
      [](const RawRig& rig) { return std::vector{test_support::openCvYaml(rig, false)}; }},
     {"OpenCV R1, P1, R2, P2", false,
      [](const RawRig& rig) { return std::vector{test_support::openCvYaml(rig, true)}; }},
-    {"ZED", false, [](const RawRig& rig) { return std::vector{test_support::zedConf(rig)}; }},
+    {"OpenCV XML", false, writeXml},
+    {"ZED", false, [](const RawRig& rig) { return std::vector{test_support::zedConf(rig, "HD")}; }},
+    {"ZED of fisheyes", true, [](const RawRig& rig) { return std::vector{test_support::zedConf(rig, "HD")}; }},
 };
 
 class CalibrationKindsTest : public testing::TestWithParam<Kind> {
@@ -149,6 +168,10 @@ class CalibrationFaultsTest : public CalibrationKindsTest {
     }
     return "";
   }
+  StereoCameras readOf(const std::string& text, const ImageFormat& images) const {
+    std::ofstream(folder.path("calibration")) << text;
+    return readCalibration({folder.path("calibration")}, images);
+  }
   static RawRig rig() { return test_support::makeRawRig(truth(), false); }
 };
 
@@ -167,6 +190,37 @@ TEST_F(CalibrationFaultsTest, NamesAFileThatIsGivenAloneOrOnceTooOften) {
   EXPECT_NE(error({writeEuroc(rig())[0]}).find("give both files, left and right"), std::string::npos);
   const std::string kalibr = test_support::kalibrYaml(rig());
   EXPECT_NE(error({kalibr, kalibr}).find("holds both cameras: give it alone"), std::string::npos);
+}
+
+TEST_F(CalibrationFaultsTest, NamesAnotherSizeAlsoOfAFileThatHoldsNone) {
+  RawRig larger = rig();
+  for (auto* camera : {&larger.cameras.left, &larger.cameras.right}) {
+    for (const std::size_t i : {0, 2, 4, 5}) camera->K[i] *= 1.5;
+    for (const std::size_t i : {0, 2, 3, 5, 6}) camera->P[i] *= 1.5;
+  }
+  for (const bool with_projections : {false, true}) {
+    const std::string text = error({test_support::openCvYaml(larger, with_projections)});
+    EXPECT_NE(text.find("far from the middle of 1280 x 720 px: the calibration is likely of "), std::string::npos)
+        << text;
+  }
+}
+
+TEST_F(CalibrationFaultsTest, NamesTheSizesOfAZedAndOfTheImages) {
+  const std::string text = error({test_support::zedConf(rig(), "FHD") + test_support::zedConf(rig(), "VGA")});
+  EXPECT_NE(text.find("these images are 1280x720, it is for those of 1920x1080, 672x376"), std::string::npos) << text;
+}
+
+TEST_F(CalibrationFaultsTest, NamesAZedsLensThatMayBeEither) {
+  std::string text = test_support::zedConf(test_support::makeRawRig(truth(), true), "HD");
+  const std::size_t begin = text.find("k4=");
+  text.replace(begin, text.find('\n', begin) - begin, "k4=0");
+  EXPECT_NE(error({text}).find("left_cam_hd:k4: is 0 without p1 and p2"), std::string::npos) << error({text});
+}
+
+TEST_F(CalibrationFaultsTest, NamesARectificationOfZeros) {
+  RawRig none = rig();
+  none.cameras.right.R.fill(0.0);
+  EXPECT_NE(error(writeRos(none)).find("R of right is all 0"), std::string::npos) << error(writeRos(none));
 }
 
 TEST_F(CalibrationFaultsTest, NamesAnotherSize) {
@@ -192,6 +246,124 @@ TEST_F(CalibrationFaultsTest, NamesWhatIsNoNumberNorRotation) {
 }
 
 TEST_F(CalibrationFaultsTest, AnAliasToItselfHasAnEnd) { EXPECT_NE(error({"%YAML:1.0\nM1: &a [*a]\nD1: [0]\n"}), ""); }
+
+/// Sections of every resolution: each image size takes its own, also of lenses of OpenCV's eight coefficients.
+TEST_F(CalibrationFaultsTest, AZedsSectionIsThatOfTheImages) {
+  const std::pair<const char*, cv::Size> resolutions[] = {{"VGA", {672, 376}},   {"HD", {1280, 720}},
+                                                          {"FHD", {1920, 1080}}, {"2K", {2208, 1242}},
+                                                          {"SVGA", {960, 600}},  {"FHD1200", {1920, 1200}}};
+  std::string text;
+  for (const auto& [name, size] : resolutions) {
+    const double f = size.width / 1.9;
+    for (const char* side : {"LEFT", "RIGHT"}) {
+      text += std::string("[") + side + "_CAM_" + name + "]\nfx=" + std::to_string(f) + "\nfy=" + std::to_string(f) +
+              "\ncx=" + std::to_string(size.width / 2) + "\ncy=" + std::to_string(size.height / 2) +
+              "\nk1=-0.02\nk2=0.01\np1=0.001\np2=0\nk3=0\nk4=0.003\n";
+    }
+    text += std::string("[STEREO]\nBaseline=120\nRX_") + name + "=0\nCV_" + name + "=0\nRZ_" + name + "=0\n";
+  }
+  for (const auto& [name, size] : resolutions) {
+    const StereoCameras cameras = readOf(text, {size});
+    EXPECT_NEAR(cameras.left.K[0], size.width / 1.9, 1e-5) << name;
+    EXPECT_EQ(cameras.left.distortion_model, "rational_polynomial");
+    EXPECT_EQ(cameras.left.D, std::vector<double>({-0.02, 0.01, 0.001, 0, 0, 0.003, 0, 0, 0, 0, 0, 0}));
+  }
+}
+
+/// Four cameras: cam0, cam1 in front, 0.24 m apart, then the rig, its left camera 0.5 m to the right of cam1 and
+/// turned.
+class KalibrChainTest : public CalibrationFaultsTest {
+ protected:
+  /// @param topics of the cameras.
+  std::string chain(const std::vector<std::string>& topics) const {
+    const RawRig raw = rig();
+    Eigen::Isometry3d T_2_1(test_support::turned(0.02, 0.3, -0.1));
+    T_2_1.translation() = Eigen::Vector3d(-0.5, 0.01, 0.02);
+    const Eigen::Isometry3d poses[] = {Eigen::Isometry3d::Identity(),
+                                       Eigen::Isometry3d(Eigen::Translation3d(-0.24, 0.0, 0.0)), T_2_1,
+                                       raw.T_right_left};
+    std::string text;
+    for (std::size_t i = 0; i < topics.size(); ++i) {
+      const auto& camera = i % 2 == 0 ? raw.cameras.left : raw.cameras.right;
+      text += "cam" + std::to_string(i) + ":\n  camera_model: pinhole\n  distortion_model: radtan\n";
+      text += "  intrinsics: [" + test_support::listed(test_support::intrinsics(camera)) + "]\n";
+      text += "  distortion_coeffs: [-0.28, 0.07, 0.0004, -0.0003]\n  resolution: [1280, 720]\n";
+      text += topics[i].empty() ? "" : "  rostopic: " + topics[i] + "\n";
+      if (i == 0) continue;
+      text += "  T_cn_cnm1: [" + test_support::listed(test_support::rowsOf(poses[i].matrix())) + "]\n";
+    }
+    return text;
+  }
+  StereoCameras readFor(const std::string& text, const PairNames& topics, const PairNames& cameras = {}) const {
+    return readOf(text, {{1280, 720}, false, topics, cameras});
+  }
+  std::string errorFor(const PairNames& topics, const PairNames& cameras) const {
+    try {
+      readFor(chain(kTopics), topics, cameras);
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return "";
+  }
+  static double baseline(const StereoCameras& cameras) { return -cameras.right.P[3] / cameras.right.P[0]; }
+
+  const std::vector<std::string> kTopics{"/front/left/image_raw", "/front/right/image_raw", "/stereo/left/image_raw",
+                                         "/stereo/right/image_raw"};
+};
+
+TEST_F(KalibrChainTest, ThePairIsThatOfTheImagesTopics) {
+  for (const std::string image : {"image_raw", "image_raw/compressed", "image_mono"}) {
+    const StereoCameras cameras = readFor(chain(kTopics), {"/stereo/left/" + image, "stereo/right/" + image});
+    EXPECT_EQ(cameras.names.left, "cam2");
+    EXPECT_EQ(cameras.names.right, "cam3");
+    EXPECT_NEAR(baseline(cameras), 0.12, 1e-6);
+    EXPECT_NEAR(baseline(readFor(chain(kTopics), {"/front/left/" + image, "/front/right/" + image})), 0.24, 1e-6);
+  }
+}
+
+/// cam0 lies 0.24 m beside cam1, cam2 0.5 m beyond it: |t| of the product, whatever the turn.
+TEST_F(KalibrChainTest, BetweenCamerasThatAreNotNeighboursThePosesMultiply) {
+  const std::string text = chain(kTopics);
+  const Eigen::Vector3d t =
+      Eigen::Vector3d(-0.5, 0.01, 0.02) + test_support::turned(0.02, 0.3, -0.1) * Eigen::Vector3d(-0.24, 0, 0);
+  EXPECT_NEAR(baseline(readFor(text, {}, {"cam0", "cam2"})), t.norm(), 1e-6);
+}
+
+TEST_F(KalibrChainTest, WhatIsNamedCountsMoreThanTopics) {
+  const StereoCameras cameras = readFor(chain(kTopics), {kTopics[0], kTopics[1]}, {"cam2", "cam3"});
+  EXPECT_EQ(cameras.names.left, "cam2");
+  EXPECT_NEAR(baseline(cameras), 0.12, 1e-6);
+}
+
+TEST_F(KalibrChainTest, ThatDoesNotSayWhichPairIsRefusedWithItsCamerasAndTheOptions) {
+  for (const PairNames& topics : {PairNames{}, PairNames{"/a/left", "/a/right"}, PairNames{kTopics[2], "/a/right"},
+                                  PairNames{kTopics[2], "/stereo/left/image"}}) {
+    const std::string text = errorFor(topics, {});
+    EXPECT_NE(text.find("cam0 (/front/left/image_raw), cam1"), std::string::npos) << text;
+    EXPECT_NE(text.find("--calib-left NAME --calib-right NAME"), std::string::npos) << text;
+  }
+  EXPECT_NE(errorFor({}, {"cam2", "cam7"}).find("holds no camera cam7; it has cam0"), std::string::npos);
+  EXPECT_NE(errorFor({}, {"cam2", "cam2"}).find("is not known"), std::string::npos);
+}
+
+/// The first camera of the chain is the right one.
+TEST_F(KalibrChainTest, OfTwoIsTurnedByTopicOrByName) {
+  RawRig turned = rig();
+  std::swap(turned.cameras.left, turned.cameras.right);
+  turned.T_right_left = turned.T_right_left.inverse();
+  const std::string text = test_support::kalibrYaml(turned);
+  for (const auto& [topics, names] : {std::pair<PairNames, PairNames>{{}, {"cam1", "cam0"}},
+                                      {{}, {"cam1", ""}},
+                                      {{"/cam1/image_raw", "/cam0/image_raw"}, {}},
+                                      {{"/other", "/cam0/image_rect"}, {}}}) {
+    const StereoCameras cameras = readFor(text, topics, names);
+    EXPECT_EQ(cameras.names.left, "cam1");
+    EXPECT_NEAR(baseline(cameras), 0.12, 1e-6);
+    EXPECT_NEAR(cameras.left.K[2], rig().cameras.left.K[2], 1e-9);
+  }
+  EXPECT_NE(error({text}).find("cam1 stands to the left of cam0"), std::string::npos) << error({text});
+  EXPECT_NE(error({text}).find("--calib-left cam1 --calib-right cam0"), std::string::npos) << error({text});
+}
 
 class RectifiedCalibrationTest : public CalibrationKindsTest {
  protected:

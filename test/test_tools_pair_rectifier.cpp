@@ -122,6 +122,37 @@ TEST_F(RawBagTest, ALensThatIsNotKnownIsNamedAtTheStart) {
   }
 }
 
+/// Rectified images that are not called so, of a driver that leaves R out.
+TEST_F(RawBagTest, ARotationOfZerosIsNone) {
+  writeWall(kDisparity_px);
+  const Report clean = replay().back();
+  RawRig ideal;
+  ideal.cameras = camerasOf(rig.calibration);
+  makeRaw(ideal, "image", "", true);
+  test_support::rewriteBag(path(), [&](const rosbag::MessageInstance& message, rosbag::Bag& out) {
+    const auto info = message.instantiate<sensor_msgs::CameraInfo>();
+    if (!info) return test_support::copyMessage(message, out);
+    info->R.fill(0.0);
+    info->D.clear();
+    info->distortion_model.clear();
+    out.write(message.getTopic(), message.getTime(), *info);
+  });
+  expectSame(lastReport({}), clean);
+  EXPECT_THROW(lastReport({{}, ImageState::Raw}), std::runtime_error) << "how to turn them is not known";
+}
+
+TEST_F(RawBagTest, WhatIsReadOfTheCalibrationIsSaid) {
+  writeWall(kDisparity_px);
+  const RawRig raw = test_support::makeRawRig(rig.calibration, true);
+  makeRaw(raw, "image_raw", "", true);
+  const std::string with_infos = StereoBagReader(path(), {"", "", "", "", "", ""}).describe();
+  EXPECT_NE(with_infos.find("\ncalibration: left equidistant of 4 coefficients, "), std::string::npos) << with_infos;
+  std::ofstream(folder.path("camchain.yaml")) << test_support::kalibrYaml(raw);
+  const std::string with_file =
+      StereoBagReader(path(), {"", "", "", "", "", ""}, {{folder.path("camchain.yaml")}}).describe();
+  EXPECT_NE(with_file.find("\ncalibration: left cam0 equidistant of 4 coefficients, "), std::string::npos) << with_file;
+}
+
 TEST_F(RawBagTest, APairThatCannotBeRectifiedIsUnknown) {
   writeWall(kDisparity_px);
   RawRig raw = test_support::makeRawRig(rig.calibration, false);

@@ -47,6 +47,49 @@ TEST(StereoCameras, WithoutKCannotBeRectified) {
   EXPECT_TRUE(areRectified(cameras));
 }
 
+TEST(StereoCameras, WithoutARotationAreRectifiedWhereNothingElseIsToBeDone) {
+  StereoCameras cameras = camerasOf(expectedCalibration());
+  cameras.left.R.fill(0.0);
+  EXPECT_TRUE(areRectified(cameras));
+  cameras.left.D[0] = -0.1;
+  EXPECT_FALSE(areRectified(cameras));
+  EXPECT_THROW(requireRectifiable(cameras), std::invalid_argument) << "how it is turned is not known";
+  cameras.left.R = {2, 0, 0, 0, 2, 0, 0, 0, 2};
+  EXPECT_THROW(requireRectifiable(cameras), std::invalid_argument);
+  cameras.left.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_NO_THROW(requireRectifiable(cameras));
+}
+
+TEST(StereoCameras, OfAFisheyeAreKnownByEveryNameAndWithAFifthCoefficientOfZero) {
+  StereoCameras cameras = camerasOf(expectedCalibration());
+  for (const char* model : {"equidistant", "fisheye", "kannala_brandt4"}) {
+    cameras.left.distortion_model = model;
+    for (const std::vector<double>& D :
+         {std::vector<double>{-0.01, 0.04, -0.04, 0.006}, {-0.01, 0.04, -0.04, 0.006, 0}}) {
+      cameras.left.D = D;
+      EXPECT_TRUE(isEquidistant(cameras.left)) << model;
+      EXPECT_EQ(lensCoefficients(cameras.left).size(), 4u);
+    }
+    cameras.left.D = {-0.01, 0.04, -0.04, 0.006, 0.1};
+    EXPECT_THROW(isEquidistant(cameras.left), std::invalid_argument);
+  }
+}
+
+TEST(StereoCameras, AreDescribedWithTheirLensesAndAWarningOfAFisheyeInDisguise) {
+  StereoCameras cameras = camerasOf(expectedCalibration());
+  EXPECT_EQ(describe(cameras, false), "calibration: f 350 px, baseline 0.12 m");
+  cameras.names = {"cam2", "cam3"};
+  cameras.left.distortion_model = "equidistant";
+  cameras.left.D = {-0.01, 0.04, -0.04, 0.006};
+  EXPECT_EQ(describe(cameras, true),
+            "calibration: left cam2 equidistant of 4 coefficients, f 350 px; right cam3 plumb_bob of 5 coefficients, f "
+            "350 px; rectified f 350 px, baseline 0.12 m");
+  cameras.right.K[0] = 0.34 * cameras.right.width;
+  EXPECT_NE(describe(cameras, true).find("warning: 0.34 of the width, below 0.35, is a fisheye's"), std::string::npos);
+  cameras.right.distortion_model = "equidistant";
+  EXPECT_EQ(describe(cameras, true).find("warning"), std::string::npos);
+}
+
 TEST(StereoCameras, RefuseWhatNoPairIs) {
   StereoCameras cameras = camerasOf(expectedCalibration());
   EXPECT_THROW(align(cameras, Eigen::Isometry3d::Identity()), std::invalid_argument);  // in one place

@@ -42,6 +42,7 @@ class Keys {
     }
   }
 
+  void refuse(const std::string& what) { wrong_ += " " + what; }
   const std::string& wrong() const { return wrong_; }
 
  private:
@@ -68,6 +69,9 @@ sensor_msgs::CameraInfo readCameraInfo(const std::string& path) {
   info.D = keys.readData("distortion_coefficients");
   keys.readMatrix("camera_matrix", info.K);
   keys.readMatrix("rectification_matrix", info.R);
+  if (std::all_of(info.R.begin(), info.R.end(), [](double r) { return r == 0.0; })) {
+    keys.refuse("rectification_matrix (all 0: image_proc would make black images)");
+  }
   keys.readMatrix("projection_matrix", info.P);
   if (!keys.wrong().empty()) {
     throw std::invalid_argument(path + ": missing or wrong:" + keys.wrong() +

@@ -61,8 +61,7 @@ const std::vector<Kind>& kinds() {
        "Where its images are rectified: fx, fy, cx, cy = Camera.fx and so on, doffs = 0, baseline [m] = Camera.bf / "
        "Camera.fx"},
       {"a ROS camera calibration", {{"\nprojection_matrix:"}}, readRos, ""},
-      {"an OpenCV calibration in XML", {{"<opencv_storage>"}}, nullptr, kText},
-      {"an OpenCV calibration", {{"%YAML:1.0"}, {"!!opencv-matrix"}}, readOpenCv, ""},
+      {"an OpenCV calibration", {{"%YAML:1.0"}, {"!!opencv-matrix"}, {"<opencv_storage>"}}, readOpenCv, ""},
       {"a ROS camera calibration as text", {{"#oSTversion"}, {"\nprojection\n"}}, nullptr, kText},
       {"a ROS CameraInfo message", {{"\ndistortion_model:", "\nP:["}}, readRos, ""},
       {"a KITTI calibration", {{"\nP0:"}, {"\nP2:"}, {"\nP_rect_00:"}, {"\nP_rect_02:"}}, readKitti, ""},
@@ -148,14 +147,17 @@ void requireSize(const sensor_msgs::CameraInfo& camera, const cv::Size& images) 
                            ": calibrate, or record, in one size");
 }
 
+/// That a file that names no cameras is not asked for them.
+void requireNames(const StereoCameras& cameras, const PairNames& asked) {
+  if (!cameras.names.left.empty() || (asked.left.empty() && asked.right.empty())) return;
+  throw std::runtime_error("--calib-left and --calib-right name cameras of a Kalibr camchain: leave them out");
+}
+
 /// @throws std::exception naming what is impossible.
 void check(const StereoCameras& cameras, const ImageFormat& images) {
   requireSize(cameras.left, images.size_px);
   requireSize(cameras.right, images.size_px);
-  if (!areRectified(cameras)) {
-    isEquidistant(cameras.left);  // refuses lenses that cannot be computed with
-    isEquidistant(cameras.right);
-  }
+  if (!areRectified(cameras)) requireRectifiable(cameras);
   const StereoCameras rectified = tools::rectified(cameras);
   StereoGeometry{flight_corridor_ros::toCalibration(rectified.left, rectified.right)};
 }
@@ -186,16 +188,17 @@ StereoCameras readCalibration(const std::vector<std::string>& paths, const Image
   }
   if (texts.empty()) throw std::runtime_error("no calibration file is given");
   try {
-    return readTexts(texts, images);
+    const StereoCameras cameras = readTexts(texts, images);
+    requireNames(cameras, images.cameras);
+    return cameras;
   } catch (const std::exception& error) {
     fail(names, error.what());
   }
 }
 
 std::string calibrationKinds() {
-  return "one file: fx fy cx cy doffs [px], baseline [m] of a rectified pair; Kalibr camchain; OpenCV YAML (K1 D1 K2 "
-         "D2 "
-         "R T,\nor R1 P1 R2 P2; T in metres); KITTI calib.txt; Middlebury calib.txt; ZED factory .conf.\n"
+  return "one file: fx fy cx cy doffs [px], baseline [m] of a rectified pair; Kalibr camchain; OpenCV YAML or XML "
+         "(K1 D1 K2 D2 R T,\nor R1 P1 R2 P2; T in metres); KITTI calib.txt; Middlebury calib.txt; ZED factory .conf.\n"
          "Two files, left and right: EuRoC sensor.yaml; camera_calibration's ost.yaml or camera_info; OpenCV's "
          "intrinsics.yml, extrinsics.yml.\n";
 }

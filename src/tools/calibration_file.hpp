@@ -12,10 +12,13 @@ namespace flight_corridor::tools {
 struct ImageFormat {
   cv::Size size_px;
   bool is_colour = false;  ///< KITTI's grey and colour pairs have calibrations of their own.
+  PairNames topics = {};   ///< Of the images; empty: not known.
+  PairNames cameras = {};  ///< In a file that names its cameras; empty: by the topics, else the file's order.
 };
 
 /// Reads a pair's calibration from one file, or from two: left, right. Its content decides its kind; calibrationKinds()
 /// lists those that are read. Baselines of Middlebury and ZED files are in millimetres, all others in metres.
+/// A Kalibr chain's cameras are chosen by choosePair.
 /// @throws std::runtime_error naming the files and every key that is missing or no number, what is impossible, and,
 /// where a file of another kind is recognised, which, and how its numbers are converted.
 StereoCameras readCalibration(const std::vector<std::string>& paths, const ImageFormat& images);

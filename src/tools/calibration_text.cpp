@@ -16,8 +16,10 @@
 namespace flight_corridor::tools {
 namespace {
 
+namespace models = sensor_msgs::distortion_models;
 using Numbers = std::vector<double>;
 
+constexpr std::ptrdiff_t kPlumbBob = 5;  // coefficients
 constexpr double kMetresPerMillimetre = 0.001;
 
 const std::string& onlyText(const CalibrationTexts& texts) {
@@ -81,6 +83,12 @@ class Lines {
   double number(const std::string& key) const { return numbers(key, 1).front(); }
   /// Of a key that may be missing.
   double numberOr0(const std::string& key) const { return has(key) ? number(key) : 0.0; }
+  /// The first two must be there.
+  Numbers all(const std::string& section, const std::vector<std::string>& keys) const {
+    Numbers numbers{number(section + keys[0]), number(section + keys[1])};
+    for (std::size_t i = 2; i < keys.size(); ++i) numbers.push_back(numberOr0(section + keys[i]));
+    return numbers;
+  }
 
  private:
   std::map<std::string, std::string> values_;
@@ -104,15 +112,38 @@ struct Resolution {
   cv::Size size_px;
   const char* name;
 };
-constexpr std::size_t kResolutions = 6;
+const Resolution kZedResolutions[] = {{{2208, 1242}, "2k"}, {{1920, 1080}, "fhd"},     {{1280, 720}, "hd"},
+                                      {{672, 376}, "vga"},  {{1920, 1200}, "fhd1200"}, {{960, 600}, "svga"}};
 
-const Resolution* zedResolution(const cv::Size& size) {
-  static const Resolution resolutions[kResolutions] = {{{2208, 1242}, "2k"},      {{1920, 1080}, "fhd"},
-                                                       {{1280, 720}, "hd"},       {{672, 376}, "vga"},
-                                                       {{1920, 1200}, "fhd1200"}, {{960, 600}, "svga"}};
-  const auto end = resolutions + kResolutions;
-  const auto found = std::find_if(resolutions, end, [&](const Resolution& r) { return r.size_px == size; });
-  return found == end ? nullptr : found;
+std::string sizeText(const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+/// Name of the resolution that the images have.
+std::string zedResolution(const Lines& lines, const cv::Size& images) {
+  std::string there;
+  for (const Resolution& resolution : kZedResolutions) {
+    if (!lines.has("left_cam_" + std::string(resolution.name) + ":fx")) continue;
+    if (resolution.size_px == images) return resolution.name;
+    there += (there.empty() ? "" : ", ") + sizeText(resolution.size_px);
+  }
+  throw std::runtime_error("these images are " + sizeText(images) + ", it is for those of " +
+                           (there.empty() ? "no size" : there) + "; side by side, left and right are to be cut apart");
+}
+
+/// k1 to k4 without p1, p2 are a fisheye's; else the order is OpenCV's.
+void readZedLens(const Lines& lines, const std::string& section, sensor_msgs::CameraInfo& camera) {
+  const auto has = [&](const char* key) { return lines.has(section + key); };
+  const bool is_fisheye = has("k4") && !has("p1") && !has("p2") && !has("k5") && !has("k6");
+  const Numbers all =
+      is_fisheye ? lines.all(section, {"k1", "k2", "k3", "k4"})
+                 : lines.all(section, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"});
+  if (is_fisheye && all[3] == 0.0) {
+    throw std::runtime_error(section + "k4: is 0 without p1 and p2: write p1=0 and p2=0 where this is no fisheye");
+  }
+  camera.D = all;
+  camera.distortion_model = is_fisheye ? models::EQUIDISTANT : models::RATIONAL_POLYNOMIAL;
+  if (is_fisheye || std::any_of(all.begin() + kPlumbBob, all.end(), [](double k) { return k != 0.0; })) return;
+  camera.D.resize(kPlumbBob);
+  camera.distortion_model = models::PLUMB_BOB;
 }
 
 sensor_msgs::CameraInfo readZedCamera(const Lines& lines, const std::string& section, const cv::Size& size) {
@@ -120,10 +151,8 @@ sensor_msgs::CameraInfo readZedCamera(const Lines& lines, const std::string& sec
   sensor_msgs::CameraInfo camera;
   camera.width = static_cast<std::uint32_t>(size.width);
   camera.height = static_cast<std::uint32_t>(size.height);
-  camera.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
   camera.K = {number("fx"), 0, number("cx"), 0, number("fy"), number("cy"), 0, 0, 1};
-  camera.D = {number("k1"), number("k2"), lines.numberOr0(section + "p1"), lines.numberOr0(section + "p2"),
-              lines.numberOr0(section + "k3")};
+  readZedLens(lines, section, camera);
   return camera;
 }
 
@@ -169,13 +198,7 @@ StereoCameras readMiddlebury(const CalibrationTexts& texts, const ImageFormat& i
 /// Model: x_right = R x_left - (Baseline, TY, TZ), R of the rotation vector (RX, CV, RZ). Source: stereolabs' samples.
 StereoCameras readZed(const CalibrationTexts& texts, const ImageFormat& images) {
   const Lines lines(onlyText(texts), '=');
-  const Resolution* resolution = zedResolution(images.size_px);
-  if (!resolution) {
-    throw std::runtime_error(
-        "a ZED has no images of " + std::to_string(images.size_px.width) + "x" + std::to_string(images.size_px.height) +
-        "; of 2208x1242, 1920x1080, 1280x720, 672x376, 1920x1200 or 960x600 it gives the calibration");
-  }
-  const std::string name = resolution->name;
+  const std::string name = zedResolution(lines, images.size_px);
   // Some files write TY and TZ for each resolution, others once.
   const auto shift = [&](const std::string& key) {
     return lines.has(key + "_" + name) ? lines.number(key + "_" + name) : lines.numberOr0(key);

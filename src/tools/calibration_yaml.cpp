@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <opencv2/core/persistence.hpp>
 #include <stdexcept>
 
 #include "tools/calibration_file.hpp"
+#include "tools/camera_chain.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -18,13 +20,32 @@ namespace models = sensor_msgs::distortion_models;
 using sensor_msgs::CameraInfo;
 using Numbers = std::vector<double>;
 
-constexpr double kOrthonormal = 1e-2;  // what rounding in a rotation typed by hand may differ
-constexpr int kDeepestList = 2;        // a matrix as rows; an alias to itself has no end
+constexpr int kMostCameras = 16;  // of a chain
+constexpr int kDeepestList = 2;   // a matrix as rows; an alias to itself has no end
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
 
+/// OpenCV's XML as its YAML.
+std::string yamlOf(const std::string& xml) try {
+  const cv::FileStorage from(xml, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+  cv::FileStorage to(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  for (const cv::FileNode& node : from.root()) {
+    if (node.isMap()) to << node.name() << node.mat();
+    if (node.isString()) to << node.name() << node.string();
+    if (node.isInt() || node.isReal()) to << node.name() << node.real();
+    if (!node.isSeq()) continue;
+    Numbers numbers;
+    node >> numbers;
+    to << node.name() << numbers;
+  }
+  return to.releaseAndGetString();
+} catch (const cv::Exception& error) {
+  fail("is no XML that OpenCV wrote: " + error.err);
+}
+
 /// OpenCV begins its files with "%YAML:1.0", which is no YAML.
 YAML::Node load(std::string text) {
+  if (text.rfind("<?xml", 0) == 0) text = yamlOf(text);
   if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
   YAML::Node yaml = YAML::Load(text);
   if (!yaml.IsMap()) fail("holds no keys");
@@ -88,10 +109,7 @@ void setSize(CameraInfo& camera, cv::Size size) {
 Eigen::Isometry3d poseOf(const Numbers& numbers, const std::string& key) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   const Eigen::Matrix4d matrix = Eigen::Map<const RowMajor>(numbers.data());
-  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
-  if (!(R * R.transpose()).isApprox(Eigen::Matrix3d::Identity(), kOrthonormal) || !(R.determinant() > 0.0)) {
-    fail(key + ": is no rotation and translation");
-  }
+  if (!isRotation(matrix.topLeftCorner<3, 3>())) fail(key + ": is no rotation and translation");
   return Eigen::Isometry3d(matrix);
 }
 
@@ -111,6 +129,46 @@ CameraInfo readPinhole(const YAML::Node& yaml, const std::string& distortion_key
   CameraInfo camera = cameraOf(numbersAt(yaml, "intrinsics", 4), distortion, known.at(model));
   setSize(camera, numbersAt(yaml, "resolution", 2));
   return camera;
+}
+
+/// The name that Kalibr gives a camera.
+std::string nameOf(int number) { return "cam" + std::to_string(number); }
+
+/// @return -1 of another key.
+int numberOf(const std::string& name) {
+  int number = 0;
+  while (number < kMostCameras && name != nameOf(number)) ++number;
+  return number < kMostCameras ? number : -1;
+}
+
+std::vector<NamedCamera> namedCameras(const YAML::Node& yaml) {
+  std::vector<NamedCamera> cameras;
+  for (int i = 0; i < kMostCameras; ++i) {
+    const YAML::Node camera = yaml[nameOf(i)];
+    if (camera && camera.IsMap()) cameras.push_back({nameOf(i), textAt(camera, "rostopic")});
+  }
+  return cameras;
+}
+
+/// What `read` gives; its errors begin with the name.
+template <typename Read>
+auto naming(const std::string& name, const Read& read) {
+  try {
+    return read();
+  } catch (const std::runtime_error& error) {
+    fail(name + ": " + error.what());
+  }
+}
+
+/// Of one camera of a chain in another.
+Eigen::Isometry3d poseInChain(const YAML::Node& yaml, int camera, int in_camera) {
+  if (in_camera < camera) return poseInChain(yaml, in_camera, camera).inverse();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = camera + 1; i <= in_camera; ++i) {
+    if (!yaml[nameOf(i)]) fail("missing: " + nameOf(i));
+    T = naming(nameOf(i), [&] { return poseOf(numbersAt(yaml[nameOf(i)], "T_cn_cnm1", 16), "T_cn_cnm1"); }) * T;
+  }
+  return T;
 }
 
 void requireTwo(const CalibrationTexts& texts) {
@@ -196,21 +254,21 @@ void setOpenCvSize(const YAML::Node& yaml, const ImageFormat& images, CameraInfo
 
 }  // namespace
 
-StereoCameras readKalibr(const CalibrationTexts& texts, const ImageFormat&) {
+StereoCameras readKalibr(const CalibrationTexts& texts, const ImageFormat& images) {
   if (texts.size() != 1) fail("holds both cameras: give it alone");
   const YAML::Node yaml = load(texts.front());
-  for (const char* camera : {"cam0", "cam1"}) {
-    if (!yaml[camera] || !yaml[camera].IsMap()) fail("missing: " + std::string(camera));
-  }
-  const auto read = [&](const char* camera) {
-    try {
-      return readPinhole(yaml[camera], "distortion_coeffs");
-    } catch (const std::runtime_error& error) {
-      fail(std::string(camera) + ": " + error.what());
-    }
+  const PairNames pair = choosePair(namedCameras(yaml), images.cameras, images.topics);
+  const auto read = [&](const std::string& name) {
+    return naming(name, [&] { return readPinhole(yaml[name], "distortion_coeffs"); });
   };
-  const CameraInfo left = read("cam0"), right = read("cam1");
-  return align({left, right}, poseOf(numbersAt(yaml["cam1"], "T_cn_cnm1", 16), "cam1: T_cn_cnm1"));
+  StereoCameras cameras =
+      align({read(pair.left), read(pair.right)}, poseInChain(yaml, numberOf(pair.left), numberOf(pair.right)));
+  cameras.names = pair;
+  if (!(cameras.right.P[3] > 0.0)) return cameras;
+  fail(pair.right + " stands to the left of " + pair.left +
+       ": are the images exchanged (--left, --right), or the "
+       "file's cameras (--calib-left " +
+       pair.right + " --calib-right " + pair.left + ")?");
 }
 
 StereoCameras readEuroc(const CalibrationTexts& texts, const ImageFormat&) {

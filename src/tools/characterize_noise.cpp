@@ -62,6 +62,7 @@ int characterizeNoise(const CommandLine& options) {
   config.core.fusion.gate_sigma = kInfinity;  // it would refuse the noise's tails
   const std::string path = options.text("bag");
   const StereoBagReader bag(path, topicsFrom(options), readingFrom(options));
+  std::fprintf(stderr, "characterize_noise: %s\n", bag.describe().c_str());
   const Samples samples = collect(bag, config, wanted);
   const SampleStatistics stereo = statistics(samples.stereo_m), lidar = statistics(samples.lidar_m);
   check(stereo, wanted, path + ": D_c");

@@ -181,11 +181,14 @@ ros::Time start(const FolderRecording& recording) {
   return first;
 }
 
-void readCameras(const std::vector<std::string>& calibration_files, ImageState images, FolderRecording& recording) {
+void readCameras(const std::vector<std::string>& calibration_files, const FolderReading& reading,
+                 FolderRecording& recording) {
   const cv::Mat image = readImage(recording.pairs.front().value.left);
   recording.image_size_px = image.size();
-  const StereoCameras cameras = readCalibration(calibration_files, {image.size(), image.channels() > 1});
-  const bool are_raw = areRaw(images, "", cameras);
+  const StereoCameras cameras =
+      readCalibration(calibration_files, {image.size(), image.channels() > 1, {}, reading.cameras});
+  const bool are_raw = areRaw(reading.images, "", cameras);
+  recording.calibration = describe(cameras, are_raw);
   if (are_raw) recording.rectifier = std::make_shared<const Rectifier>(cameras);
   if (!are_raw && cameras.is_rectification_computed) {
     fail(calibration_files.front(),
@@ -202,8 +205,7 @@ FolderRecording readFolder(const std::string& folder, const FolderReading& readi
   const fs::path path(folder);
   FolderRecording recording;
   recording.pairs = stampPairs(path, reading.rate_hz);
-  readCameras(reading.calibration_files.empty() ? calibrationOf(path) : reading.calibration_files, reading.images,
-              recording);
+  readCameras(reading.calibration_files.empty() ? calibrationOf(path) : reading.calibration_files, reading, recording);
   recording.rig.T_B_C = opticalFromForward().inverse();
   recording.ranges_m = readRanges(path / "range.csv");
   recording.poses_W_B = readPoses(path / "poses.csv", opticalFromForward());

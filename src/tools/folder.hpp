@@ -29,6 +29,7 @@ struct ImagePair {
 struct FolderRecording {
   BagRig rig;
   std::shared_ptr<const Rectifier> rectifier;  ///< Of raw images; null: they are rectified.
+  std::string calibration;                     ///< In words.
   cv::Size image_size_px;
   std::vector<Stamped<ImagePair>> pairs;
   std::vector<Stamped<double>> ranges_m;
@@ -40,6 +41,7 @@ struct FolderReading {
   double rate_hz = 10.0;                            ///< Of the pairs where there are no stamps.
   std::vector<std::string> calibration_files = {};  ///< In place of the folder's own; see readCalibration.
   ImageState images = ImageState::AsNamed;          ///< AsNamed: raw where the calibration says how to rectify.
+  PairNames cameras = {};                           ///< In these files, where they name their cameras.
 };
 
 /// Stamps move by one second where the recording starts before 1 s, because ROS reads stamp 0 as "no time".

@@ -9,8 +9,10 @@ namespace {
 
 int importFolder(const CommandLine& options) {
   const ImageState images = options.given("rectified") ? ImageState::Rectified : ImageState::AsNamed;
+  const PairNames cameras{options.text("calib-left"), options.text("calib-right")};
   const FolderRecording recording =
-      readFolder(options.text("folder"), {options.number("rate", 0.001), options.all("calib"), images});
+      readFolder(options.text("folder"), {options.number("rate", 0.001), options.all("calib"), images, cameras});
+  std::fprintf(stderr, "import_folder: %s\n", recording.calibration.c_str());
   Progress progress("import_folder", recording.pairs.size());
   writeBag(recording, options.text("out"), [&] { progress.advance(); });
   std::printf("%s: %zu pairs, %zu ranges, %zu poses\n", options.text("out").c_str(), recording.pairs.size(),
@@ -30,6 +32,8 @@ int main(int argc, char** argv) {
       .required("out", "F.bag", "bag to write")
       .optional("rate", "HZ", "rate of the pairs where nothing gives their stamps", "10")
       .repeatable("calib", "FILE", "calibration, in place of the folder's; where each camera has a file: left first")
+      .optional("calib-left", "NAME", "left camera in a calibration of several, e.g. cam2")
+      .optional("calib-right", "NAME", "right camera in it")
       .flag("rectified", "the images are rectified already: of the calibration only their projection matrices count")
       .notes(
           "In D: left/NAME.png and right/NAME.png, grey or colour; or mav0/cam0/data, mav0/cam1/data (EuRoC), or "

@@ -10,7 +10,7 @@ namespace flight_corridor::tools {
 /// Model: x_raw = lens(R^-1 K_P^-1 x_rectified; K, D), K_P: P without its last column. Source: OpenCV, calib3d.
 class Rectifier {
  public:
-  /// @throws std::invalid_argument as isEquidistant.
+  /// @throws std::invalid_argument as requireRectifiable.
   explicit Rectifier(const StereoCameras& cameras);
 
   /// @param raw of the cameras' size, any type that cv::remap takes.

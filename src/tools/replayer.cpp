@@ -62,6 +62,8 @@ void declareBag(CommandLine& options) {
       .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range), or none; may be missing unless named")
       .optional("imu", "TOPIC", "imu (sensor_msgs/Imu); may be missing unless named")
       .repeatable("calib", "FILE", "calibration in place of CameraInfos; where each camera has a file: left first")
+      .optional("calib-left", "NAME", "left camera in a calibration of several, e.g. cam2; default: by its rostopic")
+      .optional("calib-right", "NAME", "right camera in it")
       .flag("raw", "the images are raw: rectify them")
       .flag("rectified", "the images are rectified, whatever their topic is called")
       .optional(
@@ -78,6 +80,11 @@ StereoTopics topicsFrom(const CommandLine& options) {
 BagReading readingFrom(const CommandLine& options) {
   BagReading reading;
   reading.calibration_files = options.all("calib");
+  reading.cameras = {options.text("calib-left"), options.text("calib-right")};
+  for (const char* name : {"calib-left", "calib-right"}) {
+    if (options.given(name) && !options.given("calib"))
+      throw UsageError("--" + std::string(name) + " needs --calib, the file");
+  }
   if (options.given("raw") && options.given("rectified"))
     throw UsageError("--raw and --rectified contradict each other");
   if (options.given("raw")) reading.images = ImageState::Raw;

@@ -166,24 +166,25 @@ void StereoBagReader::readCalibrationFiles() {
   if (image->data.empty()) failDamaged(bag_.getFileName(), "topic " + topics_.left + ": the first image is empty");
   const bool is_colour = sensor_msgs::image_encodings::isColor(image->encoding);
   const cv::Size size(static_cast<int>(image->width), static_cast<int>(image->height));
-  const StereoCameras cameras = readCalibration(reading_.calibration_files, {size, is_colour});
+  const StereoCameras cameras =
+      readCalibration(reading_.calibration_files, {size, is_colour, {topics_.left, topics_.right}, reading_.cameras});
   rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
   if (!rectification_.is_raw && cameras.is_rectification_computed) {
     throw std::runtime_error(reading_.calibration_files.front() + ": is of raw images only, not how those of " +
                              topics_.left + " were rectified; if they are raw: --raw");
   }
   rectification_.cameras = rectification_.is_raw ? cameras : rectified(cameras);
+  calibration_ = tools::describe(cameras, rectification_.is_raw);
 }
 
 void StereoBagReader::readCameraInfos() {
-  if (!mayBeRaw(reading_.images, topics_.left)) return;
   const StereoCameras cameras{*read<CameraInfo>(bag_, first(bag_, topics_.left_info)),
                               *read<CameraInfo>(bag_, first(bag_, topics_.right_info))};
   rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
+  calibration_ = tools::describe(cameras, rectification_.is_raw);
   if (!rectification_.is_raw) return;
   try {
-    isEquidistant(cameras.left);
-    isEquidistant(cameras.right);
+    requireRectifiable(cameras);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(bag_.getFileName() + ": the images of " + topics_.left + " cannot be rectified by " +
                              topics_.left_info + ", " + topics_.right_info + ": " + error.what() +
@@ -200,7 +201,7 @@ std::string StereoBagReader::describe() const {
   }
   return "left " + topics_.left + ", right " + topics_.right +
          (rectification_.is_raw ? ": raw, rectified by " : ": rectified already, calibration of ") + calibration +
-         "; range " + orNone(topics_.range) + "; imu " + orNone(topics_.imu);
+         "; range " + orNone(topics_.range) + "; imu " + orNone(topics_.imu) + "\n" + calibration_;
 }
 
 bool StereoBagReader::has(const std::string& topic) const { return typesByTopic(bag_).count(topic) > 0; }

@@ -35,6 +35,7 @@ struct BagReading {
   std::vector<std::string> calibration_files = {};  ///< In place of CameraInfos; see readCalibration.
   ImageState images = ImageState::AsNamed;
   std::optional<Eigen::Isometry3d> T_F_L = {};  ///< LiDAR in frame F at the left camera: x forward, y left, z up.
+  PairNames cameras = {};                       ///< In these files, where they name their cameras.
 };
 
 /// Reads a bag as the node would hear it. Raw images are rectified.
@@ -47,7 +48,7 @@ class StereoBagReader {
   /// type, with what is there; and a calibration by which raw images cannot be rectified.
   StereoBagReader(const std::string& path, const StereoTopics& topics, const BagReading& reading = {});
 
-  /// One line: which topics are read, and whether their images are rectified here.
+  /// Two lines: which topics are read, and whether their images are rectified here; the calibration.
   std::string describe() const;
 
   /// Number of left images, the upper bound of the number of pairs.
@@ -105,6 +106,7 @@ class StereoBagReader {
   StereoTopics topics_;
   BagReading reading_;
   Rectification rectification_;
+  std::string calibration_;  ///< In words.
   rosbag::Bag bag_;
   std::vector<RecordedTransforms> transforms_;
 };

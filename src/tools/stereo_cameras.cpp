@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -16,8 +17,11 @@ namespace {
 namespace models = sensor_msgs::distortion_models;
 using sensor_msgs::CameraInfo;
 
-constexpr double kSame = 1e-6;                 // rounding of a rotation
-constexpr double kSame_px = 0.01;              // what rounding in a calibration file may differ
+constexpr double kSame = 1e-6;            // rounding of a rotation
+constexpr double kSame_px = 0.01;         // what rounding in a calibration file may differ
+constexpr double kOrthonormal = 1e-2;     // what rounding in a rotation typed by hand may differ
+constexpr double kWidestPlumbBob = 0.35;  // focal length over width: a view of 110 degrees
+constexpr std::size_t kEquidistantCoefficients = 4;
 constexpr double kFocalRange[] = {0.1, 10.0};  // of the rectified image over that of the raw one
 
 /// @param shift_m position of the camera along +x of the left one.
@@ -48,15 +52,18 @@ bool areClose(const Numbers& a, const Numbers& b, double tolerance) {
 bool isZero(double number) { return number == 0.0; }
 
 bool hasEquidistantModel(const CameraInfo& camera) {
-  return camera.distortion_model == models::EQUIDISTANT || camera.distortion_model == "fisheye";
+  const std::string& model = camera.distortion_model;
+  return model == models::EQUIDISTANT || model == "fisheye" || model == "kannala_brandt4";
 }
+
+bool areZero(const CameraInfo::_R_type& R) { return std::all_of(R.begin(), R.end(), isZero); }
 
 /// A camera without K is not calibrated: there is nothing to rectify it by.
 bool isRectified(const CameraInfo& camera) {
   const CameraInfo::_R_type identity{1, 0, 0, 0, 1, 0, 0, 0, 1};
   if (isZero(camera.K[0])) return true;
   return !hasEquidistantModel(camera) && std::all_of(camera.D.begin(), camera.D.end(), isZero) &&
-         areClose(camera.R, identity, kSame) && areClose(camera.K, rectifiedK(camera), kSame_px);
+         (areClose(camera.R, identity, kSame) || areZero(camera.R)) && areClose(camera.K, rectifiedK(camera), kSame_px);
 }
 
 void makeRectified(CameraInfo& camera) {
@@ -64,6 +71,27 @@ void makeRectified(CameraInfo& camera) {
   camera.D.assign(5, 0.0);
   camera.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   camera.K = rectifiedK(camera);
+}
+
+void requireRotation(const char* side, const CameraInfo::_R_type& numbers) {
+  const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
+  if (isRotation(R)) return;
+  throw std::invalid_argument(std::string("R of ") + side + (areZero(numbers) ? " is all 0" : " is no rotation") +
+                              ": how the pair is to be turned is not known");
+}
+
+std::string describeLens(const CameraInfo& camera, const std::string& name) {
+  const std::size_t count = lensCoefficients(camera).size();
+  std::ostringstream text;
+  text << (name.empty() ? "" : " " + name) << ' '
+       << (camera.distortion_model.empty() ? "no lens model" : camera.distortion_model) << " of " << count
+       << " coefficients, f " << camera.K[0] << " px";
+  const double ratio = camera.K[0] / camera.width;
+  if (camera.distortion_model == models::PLUMB_BOB && ratio < kWidestPlumbBob) {
+    text << " (warning: " << ratio << " of the width, below " << kWidestPlumbBob
+         << ", is a fisheye's: is its model equidistant? Depths are wrong by the wrong model)";
+  }
+  return text.str();
 }
 
 cv::Matx33d matrixK(const CameraInfo& camera) { return cv::Matx33d(camera.K.data()); }
@@ -108,8 +136,8 @@ StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left
   cv::Matx44d Q;
   const cv::Matx33d K_left = matrixK(cameras.left), K_right = matrixK(cameras.right);
   if (is_equidistant) {
-    cv::fisheye::stereoRectify(K_left, cameras.left.D, K_right, cameras.right.D, size, R, T, R_left, R_right, P_left,
-                               P_right, Q, cv::CALIB_ZERO_DISPARITY, size);
+    cv::fisheye::stereoRectify(K_left, lensCoefficients(cameras.left), K_right, lensCoefficients(cameras.right), size,
+                               R, T, R_left, R_right, P_left, P_right, Q, cv::CALIB_ZERO_DISPARITY, size);
   } else {
     cv::stereoRectify(K_left, cameras.left.D, K_right, cameras.right.D, size, R, T, R_left, R_right, P_left, P_right, Q,
                       cv::CALIB_ZERO_DISPARITY, 0.0, size);
@@ -123,6 +151,38 @@ StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left
   return cameras;
 }
 
+bool isRotation(const Eigen::Matrix3d& R) {
+  return (R * R.transpose()).isApprox(Eigen::Matrix3d::Identity(), kOrthonormal) && R.determinant() > 0.0;
+}
+
+std::string describe(const StereoCameras& cameras, bool are_raw) {
+  const CameraInfo &left = cameras.left, &right = cameras.right;
+  std::ostringstream text;
+  text << "calibration: ";
+  if (are_raw) {
+    text << "left" << describeLens(left, cameras.names.left) << "; right" << describeLens(right, cameras.names.right)
+         << "; rectified ";
+  }
+  if (!(left.P[0] > 0.0)) return text.str() + "none, P holds no focal length";
+  text << "f " << left.P[0] << " px, baseline " << (left.P[3] - right.P[3]) / left.P[0] << " m";
+  return text.str();
+}
+
+void requireRectifiable(const StereoCameras& cameras) {
+  isEquidistant(cameras.left);
+  isEquidistant(cameras.right);
+  requireRotation("left", cameras.left.R);
+  requireRotation("right", cameras.right.R);
+}
+
+std::vector<double> lensCoefficients(const CameraInfo& camera) {
+  std::vector<double> coefficients = camera.D;
+  while (hasEquidistantModel(camera) && coefficients.size() > kEquidistantCoefficients && isZero(coefficients.back())) {
+    coefficients.pop_back();
+  }
+  return coefficients;
+}
+
 bool isEquidistant(const CameraInfo& camera) {
   const auto& K = camera.K;
   const bool is_finite = std::all_of(K.begin(), K.end(), [](double k) { return std::isfinite(k); }) &&
@@ -132,9 +192,9 @@ bool isEquidistant(const CameraInfo& camera) {
                                 ", fy " + std::to_string(K[4]) + ")");
   }
   const std::string& model = camera.distortion_model;
-  const std::size_t count = camera.D.size();
+  const std::size_t count = lensCoefficients(camera).size();
   const bool is_equidistant = hasEquidistantModel(camera);
-  if (is_equidistant && count == 4) return true;
+  if (is_equidistant && count == kEquidistantCoefficients) return true;
   if (!is_equidistant && std::all_of(camera.D.begin(), camera.D.end(), isZero)) return false;
   const bool is_known = (model == models::PLUMB_BOB && (count == 4 || count == 5)) ||
                         (model == models::RATIONAL_POLYNOMIAL && (count == 8 || count == 12 || count == 14));

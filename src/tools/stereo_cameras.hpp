@@ -3,23 +3,32 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <Eigen/Geometry>
+#include <string>
+#include <vector>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 
 namespace flight_corridor::tools {
+
+/// Left and right by name.
+struct PairNames {
+  std::string left, right;
+};
 
 /// The two cameras of a pair, as ROS describes them: K and D say how a raw image sees, R and P how the rectified image
 /// that is made of it does.
 struct StereoCameras {
   sensor_msgs::CameraInfo left, right;
   bool is_rectification_computed =
-      false;  ///< R and P were computed here: of images rectified elsewhere they say nothing.
+      false;             ///< R and P were computed here: of images rectified elsewhere they say nothing.
+  PairNames names = {};  ///< In a file that names its cameras.
 };
 
 /// The cameras of a pair that is rectified.
 StereoCameras camerasOf(const StereoCalibration& calibration);
 
-/// Whether raw images of these cameras are rectified images: no distortion, R is the identity, and P sees as K.
+/// Whether raw images of these cameras are rectified images: no distortion, R is the identity or, all 0, not given, and
+/// P sees as K.
 bool areRectified(const StereoCameras& cameras);
 
 /// The cameras that the rectified images have: no distortion, R is the identity, and K sees as P.
@@ -33,9 +42,23 @@ StereoCameras rectified(StereoCameras cameras);
 /// length that no lens has.
 StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left);
 
+/// Whether it is a rotation, but for the rounding of one typed by hand.
+bool isRotation(const Eigen::Matrix3d& R);
+
+/// One line for people: focal length and baseline; of raw images the lens models that they are rectified by, with a
+/// warning where one is likely another.
+std::string describe(const StereoCameras& cameras, bool are_raw);
+
+/// @throws std::invalid_argument naming what images cannot be rectified by: as isEquidistant, or R, where it is no
+/// rotation.
+void requireRectifiable(const StereoCameras& cameras);
+
 /// Whether the lens maps angles to equal distances (cv::fisheye); otherwise it is radial-tangential, also rational.
 /// @throws std::invalid_argument naming a model that is neither, coefficients that it does not have, or an impossible
 /// K.
 bool isEquidistant(const sensor_msgs::CameraInfo& camera);
+
+/// D as OpenCV takes it: drivers that always send five leave 0 behind the four of an equidistant lens.
+std::vector<double> lensCoefficients(const sensor_msgs::CameraInfo& camera);
 
 }  // namespace flight_corridor::tools

@@ -169,8 +169,7 @@ std::string openCvMatrix(const std::string& key, int columns, const Numbers& num
 
 /// @param with_projections R1 P1 R2 P2, else R T.
 inline std::string openCvYaml(const RawRig& rig, bool with_projections, double units_per_m = 1.0) {
-  const auto& [left, right, is_computed] = rig.cameras;
-  static_cast<void>(is_computed);
+  const sensor_msgs::CameraInfo &left = rig.cameras.left, &right = rig.cameras.right;
   const auto D = [](const auto& camera) {
     return openCvMatrix("", static_cast<int>(camera.D.size()), camera.D).substr(1);
   };
@@ -185,20 +184,22 @@ inline std::string openCvYaml(const RawRig& rig, bool with_projections, double u
   return text + openCvMatrix("R", 3, rowsOf(rig.T_right_left.linear())) + openCvMatrix("T", 1, rowsOf(T));
 }
 
-/// Of a rig with 1280 x 720 pixels.
-inline std::string zedConf(const RawRig& rig) {
+/// @param resolution as the sections are called.
+inline std::string zedConf(const RawRig& rig, const std::string& resolution) {
   std::ostringstream text;
   text << std::setprecision(17);
   const Eigen::AngleAxisd rotation(Eigen::Matrix3d(rig.T_right_left.linear()));
   const Eigen::Vector3d r = rotation.angle() * rotation.axis(), t_mm = -1000.0 * rig.T_right_left.translation();
   for (const bool is_left : {true, false}) {
     const auto& camera = is_left ? rig.cameras.left : rig.cameras.right;
-    text << (is_left ? "[LEFT_CAM_HD]" : "[RIGHT_CAM_HD]") << "\nfx=" << camera.K[0] << "\nfy=" << camera.K[4]
-         << "\ncx=" << camera.K[2] << "\ncy=" << camera.K[5] << "\nk1=" << camera.D[0] << "\nk2=" << camera.D[1]
-         << "\np1=" << camera.D[2] << "\np2=" << camera.D[3] << "\nk3=0\n\n";
+    text << (is_left ? "[LEFT_CAM_" : "[RIGHT_CAM_") << resolution << "]\nfx=" << camera.K[0] << "\nfy=" << camera.K[4]
+         << "\ncx=" << camera.K[2] << "\ncy=" << camera.K[5] << "\nk1=" << camera.D[0] << "\nk2=" << camera.D[1];
+    const bool is_fisheye = camera.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
+    text << (is_fisheye ? "\nk3=" : "\np1=") << camera.D[2] << (is_fisheye ? "\nk4=" : "\np2=") << camera.D[3]
+         << (is_fisheye ? "\n\n" : "\nk3=0\n\n");
   }
-  text << "[STEREO]\nBaseline=" << t_mm.x() << "\nTY=" << t_mm.y() << "\nTZ=" << t_mm.z() << "\nRX_HD=" << r.x()
-       << "\nCV_HD=" << r.y() << "\nRZ_HD=" << r.z() << "\n";
+  text << "[STEREO]\nBaseline=" << t_mm.x() << "\nTY=" << t_mm.y() << "\nTZ=" << t_mm.z() << "\nRX_" << resolution
+       << '=' << r.x() << "\nCV_" << resolution << '=' << r.y() << "\nRZ_" << resolution << '=' << r.z() << "\n";
   return text.str();
 }
 
