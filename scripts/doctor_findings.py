@@ -89,15 +89,39 @@ def nearest_difference(one, others):
     return median(min(abs(stamp - other) for other in others) for stamp in one)
 
 
+def tolerance(seen):
+    """How far the stamps of a pair may be apart [s]."""
+    return seen.parameters.get("ros/sync_slop_s", 0.01) if seen.parameters.get("ros/approximate_sync") else SAME_S
+
+
 def stamps_apart(seen):
     if not (seen.left and seen.right and seen.left.stamps and seen.right.stamps):
         return []
     apart_s = nearest_difference(seen.left.stamps, seen.right.stamps)
-    slop_s = seen.parameters.get("ros/sync_slop_s", 0.01) if seen.parameters.get("ros/approximate_sync") else SAME_S
+    slop_s = tolerance(seen)
     if apart_s <= slop_s:
         return []
     return [f"Left and right images are stamped {1000 * apart_s:.1f} ms apart, the node pairs up to "
             f"{1000 * slop_s:.1f} ms: trigger the cameras together, or set ros/approximate_sync and ros/sync_slop_s."]
+
+
+def infos_apart(seen):
+    slop_s = tolerance(seen)
+    found = []
+    for image, info in ((seen.left, seen.left_info), (seen.right, seen.right_info)):
+        if not (image and info and image.stamps and info.stamps):
+            continue
+        if not any(info.stamps):
+            found.append(f"{info.name} has no stamp (0), {image.name} has one: each CameraInfo must carry its image's "
+                         "stamp. Let the driver stamp both alike, or give the calibration file to raw_stereo.launch "
+                         "(left_calibration, right_calibration), which does.")
+            continue
+        apart_s = nearest_difference(image.stamps, info.stamps)
+        if apart_s > slop_s:
+            found.append(f"{info.name} is stamped {1000 * apart_s:.1f} ms from {image.name}, the node pairs up to "
+                         f"{1000 * slop_s:.1f} ms: let the driver stamp both alike, or set ros/approximate_sync and "
+                         "ros/sync_slop_s.")
+    return found
 
 
 def bad_calibration(seen):
@@ -145,6 +169,12 @@ def frame_of(topic):
     return topic.last.header.frame_id.lstrip("/") if topic and topic.last is not None else ""
 
 
+def describe_age(age_s):
+    """As the node says it: "2.000 s old", "stamped 3600.000 s (1.0 h) ahead of the clock"."""
+    seconds = f"{abs(age_s):.3f} s" + (f" ({abs(age_s) / 3600:.1f} h)" if abs(age_s) >= 900.0 else "")
+    return f"stamped {seconds} ahead of the clock" if age_s < 0.0 else f"{seconds} old"
+
+
 def clocks_apart(seen):
     if seen.use_sim_time and not seen.clock_ticks:
         return ["use_sim_time is set, but /clock does not tick: play the bag with --clock, or unset it."]
@@ -155,9 +185,9 @@ def clocks_apart(seen):
             continue
         age_s = median(topic.ages())
         if not abs(age_s) <= limit_s:
-            found.append(f"{topic.name} is {age_s:.3f} s old when it comes, outside +-{limit_s:g} s "
-                         "(corridor/max_age_s): " + ("synchronise the clocks." if seen.use_sim_time else
-                         "synchronise the clocks; for a bag set use_sim_time and play it with --clock."))
+            found.append(f"{topic.name} is {describe_age(age_s)} when it comes, outside +-{limit_s:g} s "
+                         "(corridor/max_age_s): synchronise the clocks" + ("." if seen.use_sim_time or age_s < 0.0 else
+                         "; for a bag set use_sim_time and play it with --clock."))
     return found
 
 
@@ -215,7 +245,7 @@ def unknown_verdicts(seen):
         [f"{share}."]
 
 
-FINDINGS = [no_node, missing_images, stamps_apart, bad_calibration, missing_transforms, clocks_apart, low_rate,
+FINDINGS = [no_node, missing_images, stamps_apart, infos_apart, bad_calibration, missing_transforms, clocks_apart, low_rate,
             silent_lidar, nobody_listens, idle_guard, unknown_verdicts]
 
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <octomap_msgs/Octomap.h>
 #include <ros/ros.h>
+#include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Bool.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -189,6 +190,20 @@ TEST_F(NodeInputs, OldPairsAreNoDataAndShowNoBox) {
 TEST_F(NodeInputs, PairsFromTheFutureAreNoData) {
   Inputs inputs;
   EXPECT_TRUE(refuses(inputs, CorridorState::NO_DATA, -5.0));
+}
+
+TEST_F(NodeInputs, ACamerasClockThatIsAnHourAheadIsNamedInTheLog) {
+  Inputs inputs;
+  std::string named;
+  const ros::Subscriber log =
+      node_.subscribe<rosgraph_msgs::Log>("/rosout", 100, [&](const rosgraph_msgs::Log::ConstPtr& message) {
+        if (message->msg.find("(1.0 h) ahead of the clock") != std::string::npos) named = message->msg;
+      });
+  EXPECT_TRUE(answers(
+      inputs, [&](const CorridorState&) { return !named.empty(); }, -3600.0));
+  for (const char* part : {"stereo pair is stamped 3", "corridor/max_age_s", "synchronise the clocks", "local time"}) {
+    EXPECT_NE(named.find(part), std::string::npos) << part << " in: " << named;
+  }
 }
 
 TEST_F(NodeInputs, SilenceIsNoData) {

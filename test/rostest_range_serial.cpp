@@ -3,10 +3,12 @@
 #include <ros/ros.h>
 #include <sensor_msgs/Range.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -134,6 +136,63 @@ TEST_P(RangeSerialNode, SilenceGivesNoReadingAndOneWarningWithTheRemedy) {
   EXPECT_EQ(listener_->status.summary, "no bytes");
 }
 
+TEST_P(RangeSerialNode, ReadingsWithoutARangeGiveOneWarningWithTheRemedy) {
+  sensor_.emplace(link_);
+  start({"_silence_s:=0.5"});
+  ASSERT_TRUE(readsNow(200)) << output();
+  struct Useless {
+    std::string bytes;
+    const char *value, *remedy;
+  };
+  const std::map<Protocol, std::vector<Useless>> kinds{
+      {Protocol::Tfmini,
+       {{serial::test_support::tfminiFrame(500, 0), "strength 0 is below strength_min (100)", "needs strength_min 0"},
+        {serial::test_support::tfminiFrame(0xfffe, 700), "error code -2", "off and on"},
+        {serial::test_support::tfminiFrame(500, 0xffff), "strength 65535", "bright"},
+        {serial::test_support::tfminiFrame(500, 60), "strength 60 is below strength_min (100)", "lower strength_min"}}},
+      {Protocol::Lightware, {{"-3.00\r\n", "error code -3", "off and on"}, {"ld,0:-2\r\n", "error code -2", "manual"}}},
+      {Protocol::LidarLite, {{serial::test_support::lidarLiteLine("E"), "does not answer the Arduino", "wiring"}}}};
+  for (const Useless& useless : kinds.at(GetParam())) {
+    const auto isNamed = [&](const std::string& text) {
+      return text.find(useless.value) != std::string::npos && text.find(useless.remedy) != std::string::npos;
+    };
+    ASSERT_TRUE(becomesTrue([&] { return isNamed(listener_->status.summary); }, useless.bytes)) << useless.value;
+    EXPECT_EQ(listener_->status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+    ASSERT_TRUE(becomesTrue(
+        [&] {
+          return std::any_of(listener_->warnings.begin(), listener_->warnings.end(), [&](const std::string& warning) {
+            return isNamed(warning) && warning.find("(silence_s: 0.5)") != std::string::npos;
+          });
+        },
+        useless.bytes))
+        << useless.value;
+  }
+  listener_->warnings.clear();
+  ASSERT_TRUE(becomesTrue([this] { return listener_->status.level == diagnostic_msgs::DiagnosticStatus::OK; },
+                          wireBytes(GetParam(), 200)));
+  EXPECT_TRUE(becomesTrue([this] { return listener_->status.level == diagnostic_msgs::DiagnosticStatus::OK; },
+                          wireBytes(GetParam(), 13000)))
+      << "nothing in range is a reading";
+  EXPECT_TRUE(listener_->warnings.empty()) << listener_->warnings.front();
+}
+
+TEST_P(RangeSerialNode, ASensorIsWokenAtOpeningAndWhileItIsSilent) {
+  sensor_.emplace(link_);
+  start({"_silence_s:=0.5", "_wake:=0x5A 0x04 0x11 0x6F"});
+  std::string received;
+  ASSERT_TRUE(becomesTrue([&] { return (received += sensor_->received()).size() >= 8; })) << output();
+  EXPECT_EQ(received.substr(0, 8), "\x5a\x04\x11\x6f\x5a\x04\x11\x6f");
+  ASSERT_TRUE(readsNow(200));
+  sensor_->received();
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(1.5);
+  ASSERT_TRUE(becomesTrue([&] { return ros::WallTime::now() > end; }, wireBytes(GetParam(), 200)));
+  EXPECT_EQ(sensor_->received(), "") << "it is awake";
+  sensor_.reset();
+  sensor_.emplace(link_);
+  received.clear();
+  ASSERT_TRUE(becomesTrue([&] { return (received += sensor_->received()).size() >= 4; })) << output();
+}
+
 TEST_P(RangeSerialNode, AnotherSensorsBytesAreNamedInTheWarning) {
   sensor_.emplace(link_);
   start({"_silence_s:=0.5"});
@@ -231,6 +290,47 @@ TEST_P(RangeSerialNode, AWrongParameterStopsItWithItsName) {
   for (const char* part : {"baud: one of 9600", "(12345)", "min_range: unknown key"}) {
     EXPECT_NE(output().find(part), std::string::npos) << part << " in: " << output();
   }
+}
+
+TEST(RangeSerialWire, ATfminiInMillimetresAndATf03AreReadAsTheDocumentsSay) {
+  flight_corridor::test_support::TemporaryFolder folder;
+  const auto reads = [&](const std::string& name, const std::vector<std::string>& more, const std::string& bytes) {
+    const PseudoTerminal sensor(folder.path("lidar"));
+    RangeSerialListener listener(name);
+    std::vector<std::string> parameters{RANGE_SERIAL_PROGRAM, "__name:=" + name, "range:=/" + name + "/range",
+                                        "_protocol:=tfmini", "_port:=" + folder.path("lidar")};
+    parameters.insert(parameters.end(), more.begin(), more.end());
+    const ChildProcess node(parameters, folder.path("output"));
+    const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kPatience_s);
+    while (listener.ranges.empty() && ros::WallTime::now() < deadline) {
+      sensor.send(bytes);
+      ros::WallDuration(0.02).sleep();
+      ros::spinOnce();
+    }
+    return listener.ranges.empty() ? 0.0f : listener.ranges.back().range;
+  };
+  EXPECT_FLOAT_EQ(reads("tfmini", {"_unit:=mm"}, serial::test_support::tfminiFrame(4321, 500)), 4.321f);
+  const std::vector<std::string> tf03{"_strength_min:=0", "_max_range_m:=180"};
+  EXPECT_FLOAT_EQ(reads("tf03", tf03, serial::test_support::tfminiFrame(4321, 0)), 43.21f);
+  EXPECT_EQ(reads("tf03", tf03, serial::test_support::tfminiFrame(18000, 0)), std::numeric_limits<float>::infinity());
+}
+
+TEST(RangeSerialWire, ALightwareThatLooksToTheSkyHasNothingInRange) {
+  flight_corridor::test_support::TemporaryFolder folder;
+  const PseudoTerminal sensor(folder.path("lidar"));
+  RangeSerialListener listener("sky");
+  const ChildProcess node({RANGE_SERIAL_PROGRAM, "__name:=sky", "range:=/sky/range", "_protocol:=lightware",
+                           "_silence_s:=0.5", "_port:=" + folder.path("lidar")},
+                          folder.path("output"));
+  const ros::WallTime begin = ros::WallTime::now();
+  while (ros::WallTime::now() < begin + ros::WallDuration(kPatience_s) && listener.ranges.size() < 150) {
+    sensor.send("-1.00\r\n-1.0\r\n-1\r\n");
+    ros::WallDuration(0.05).sleep();
+    ros::spinOnce();
+  }
+  ASSERT_GE(listener.ranges.size(), 150u);
+  for (const auto& range : listener.ranges) EXPECT_EQ(range.range, std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(listener.warnings.empty()) << listener.warnings.front();
 }
 
 /// Of the protocols in which a sensor may wait to be asked.

@@ -12,7 +12,9 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ros/node.hpp"
@@ -148,6 +150,24 @@ TEST_F(ThreadsTest, ANodeletComesAndGoesAmongThoseWhoAskIt) {
     ASSERT_TRUE(loader.load(name, "flight_corridor/Corridor", remappings, {}));
     expectVerdicts();
     ASSERT_TRUE(loader.unload(name));
+  }
+}
+
+TEST_F(ThreadsTest, ARefusedNodeletLoadsUnderItsNameOnceItIsMended) {
+  const std::string name = ros::names::resolve("~refused");
+  nodelet::Loader loader(false);
+  const std::vector<std::pair<std::string, XmlRpc::XmlRpcValue>> wrong{{"/map/resolution_m", -1.0},
+                                                                       {"/corridor/width_m", "broad"},
+                                                                       {"/no_such_key", 1},
+                                                                       {"/ros/image_transport", "pigeon"}};
+  for (const auto& [key, value] : wrong) {
+    ros::param::set(name + key, value);
+    EXPECT_FALSE(loader.load(name, "flight_corridor/Corridor", {}, {})) << key;
+    EXPECT_FALSE(loader.load(name, "flight_corridor/Corridor", {}, {})) << key;
+    ros::param::del(name);
+    ASSERT_TRUE(loader.load(name, "flight_corridor/Corridor", {}, {})) << key;
+    ASSERT_TRUE(loader.unload(name));
+    ros::param::del(name);
   }
 }
 

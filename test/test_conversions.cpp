@@ -192,6 +192,34 @@ sensor_msgs::ImagePtr deepImage(int grey, bool is_bigendian) {
   return message;
 }
 
+/// A scene in which no two neighbours are alike, of 8 or 16 bits.
+sensor_msgs::ImagePtr mosaic(const std::string& encoding, int factor, bool is_bigendian = false) {
+  cv::Mat scene(12, 16, CV_8UC1);
+  for (int y = 0; y < scene.rows; ++y) {
+    for (int x = 0; x < scene.cols; ++x) scene.at<uchar>(y, x) = static_cast<uchar>((37 * x + 71 * y + x * y) % 256);
+  }
+  if (factor > 0) scene.convertTo(scene, CV_16UC1, factor);
+  const auto message = toImage(header("left"), scene, encoding);
+  message->is_bigendian = is_bigendian;
+  for (std::size_t i = 0; is_bigendian && i < message->data.size(); i += 2) {
+    std::swap(message->data[i], message->data[i + 1]);
+  }
+  return message;
+}
+
+TEST(ToGrey, AMosaicOfSixteenBitsIsThatOfEight) {
+  for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {
+    const cv::Mat eight = toGrey(mosaic("bayer_" + pattern + "8", 0))->image;
+    for (const bool is_bigendian : {false, true}) {
+      const cv::Mat sixteen = toGrey(mosaic("bayer_" + pattern + "16", 257, is_bigendian))->image;
+      ASSERT_EQ(sixteen.type(), CV_8UC1);
+      EXPECT_LE(cv::norm(eight, sixteen, cv::NORM_INF), 1.0) << pattern << is_bigendian << eight << sixteen;
+    }
+    EXPECT_THROW(toGrey(mosaic("bayer_" + pattern + "16", 4)), std::invalid_argument) << "10 bits in the low end";
+    EXPECT_THROW(toGrey(mosaic("bayer_" + pattern + "16", 16)), std::invalid_argument) << "12 bits in the low end";
+  }
+}
+
 TEST(ToGrey, ReadsSixteenBitsOfEitherEndianness) {
   for (const bool is_bigendian : {false, true}) {
     const auto grey = toGrey(deepImage(100 * 257, is_bigendian));

@@ -68,9 +68,33 @@ class Doctor(unittest.TestCase):
 
     def test_stamps_of_a_pair_differ(self):
         seen = healthy()
-        seen.right.stamps = [stamp + 0.004 for stamp in STAMPS]
+        seen.right.stamps = seen.right_info.stamps = [stamp + 0.004 for stamp in STAMPS]
         self.finds(seen, "4.0 ms apart", "ros/approximate_sync")
         seen.parameters = {"ros/approximate_sync": True, "ros/sync_slop_s": 0.01}
+        self.assertEqual(examine(seen), [])
+
+    def test_a_camera_info_has_another_stamp_than_its_image(self):
+        seen = healthy()
+        seen.right_info.stamps = [stamp + 0.02 for stamp in STAMPS]
+        self.finds(seen, "/right_info is stamped 20.0 ms from /right", "ros/approximate_sync")
+        seen.parameters = {"ros/approximate_sync": True, "ros/sync_slop_s": 0.03}
+        self.assertEqual(examine(seen), [])
+
+    def test_a_camera_info_comes_once_in_a_while(self):
+        seen = healthy()
+        seen.left_info.stamps = [STAMPS[0] - 7.0]
+        self.finds(seen, "/left_info is stamped", "from /left")
+
+    def test_a_camera_info_has_no_stamp(self):
+        seen = healthy()
+        seen.left_info.stamps = [0.0] * len(STAMPS)
+        self.finds(seen, "/left_info has no stamp (0)", "raw_stereo.launch")
+        seen.parameters = {"ros/approximate_sync": True}
+        self.finds(seen, "/left_info has no stamp (0)")
+
+    def test_more_camera_infos_than_images_are_well(self):
+        seen = healthy()
+        seen.left_info.stamps = sorted(STAMPS + [stamp + 0.05 for stamp in STAMPS])
         self.assertEqual(examine(seen), [])
 
     def test_a_camera_is_not_calibrated(self):
@@ -108,7 +132,13 @@ class Doctor(unittest.TestCase):
         for delay_s in (0.8, -0.8):
             seen = healthy()
             seen.left.arrivals = [stamp + delay_s for stamp in STAMPS]
-            self.finds(seen, "/left is %.3f s old" % delay_s, "synchronise the clocks")
+            self.finds(seen, "/left is " + ("0.800 s old" if delay_s > 0.0 else "stamped 0.800 s ahead of the clock"),
+                       "synchronise the clocks")
+
+    def test_a_cameras_clock_is_an_hour_ahead(self):
+        seen = healthy()
+        seen.right.arrivals = [stamp - 3600.0 for stamp in STAMPS]
+        self.finds(seen, "/right is stamped 3600.000 s (1.0 h) ahead of the clock")
 
     def test_images_come_too_seldom(self):
         seen = healthy()

@@ -171,7 +171,7 @@ TEST_F(GuardTest, AnOldVerdictStops) {
   EXPECT_GT(speedOf(fly(1.0)), 0.0);
   wait(0.02);
   EXPECT_EQ(speedOf(fly(1.0)), 0.0);
-  EXPECT_TRUE(contains(why, "free_areas is 0.21 s old, outside +-0.20 s (max_age_s)")) << why;
+  EXPECT_TRUE(contains(why, "free_areas is 0.210 s old, outside +-0.20 s (max_age_s)")) << why;
   see();
   EXPECT_GT(speedOf(fly(1.0)), 0.0);
 }
@@ -202,7 +202,7 @@ TEST_F(GuardTest, SilenceOfTheCommandsStopsAllTurningToo) {
   see();
   EXPECT_EQ(speedOf(out()), 0.0);
   EXPECT_EQ(out().angular.z, 0.0);
-  EXPECT_TRUE(contains(why, "the command is 0.60 s old, outside +-0.50 s (command_age_s)")) << why;
+  EXPECT_TRUE(contains(why, "the command is 0.600 s old, outside +-0.50 s (command_age_s)")) << why;
 }
 
 TEST_F(GuardTest, BeforeAnyCommandNothingMovesAndNothingIsSaid) {

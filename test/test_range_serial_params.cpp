@@ -44,6 +44,8 @@ TEST(RangeSerialParams, ValuesReplaceDefaults) {
                                                           {"min_range_m", 1},
                                                           {"max_range_m", 50.0},
                                                           {"strength_min", 0},
+                                                          {"unit", std::string("m")},
+                                                          {"wake", std::string("www")},
                                                           {"request_hz", 20},
                                                           {"silence_s", 1.5}});
   EXPECT_EQ(config.port, "/dev/lidar");
@@ -54,6 +56,44 @@ TEST(RangeSerialParams, ValuesReplaceDefaults) {
   EXPECT_EQ(config.limits.max_range_m, 50.0);
   EXPECT_EQ(config.request_hz, 20.0);
   EXPECT_EQ(config.silence_s, 1.5);
+  EXPECT_EQ(config.unit_m, 1.0);
+  EXPECT_EQ(config.wake, "www");
+}
+
+TEST(RangeSerialParams, TheUnitIsOneThatTheProtocolsSensorsHave) {
+  const auto metresOf = [](const char* protocol, const char* unit) {
+    return makeRangeSerialConfig({{"protocol", std::string(protocol)}, {"unit", std::string(unit)}}).unit_m;
+  };
+  EXPECT_EQ(metresOf("tfmini", "cm"), 0.01);
+  EXPECT_EQ(metresOf("tfmini", "mm"), 0.001);
+  EXPECT_EQ(metresOf("lightware", "m"), 1.0);
+  EXPECT_EQ(metresOf("lidar_lite", "cm"), 0.01);
+  EXPECT_EQ(makeRangeSerialConfig({{"protocol", std::string("tfmini")}}).unit_m, 0.01);
+  for (const char* unit : {"", "m", "MM", "inch", "0.001"}) {
+    const std::string complaint = complaintAboutSensor({{"unit", std::string(unit)}});
+    EXPECT_TRUE(contains(complaint, "unit: cm or mm, as protocol tfmini has it (\"" + std::string(unit) + "\")"))
+        << complaint;
+  }
+  EXPECT_TRUE(contains(complaintAboutSensor({{"unit", 0.001}}), "unit: expects a text (0.001)"));
+  EXPECT_THROW(metresOf("lightware", "mm"), std::invalid_argument);
+  EXPECT_THROW(metresOf("lidar_lite", "mm"), std::invalid_argument);
+}
+
+TEST(RangeSerialParams, ASensorIsWokenByBytesOrByAText) {
+  const auto wakeOf = [](const std::string& text) {
+    return makeRangeSerialConfig({{"protocol", std::string("tfmini")}, {"wake", text}}).wake;
+  };
+  EXPECT_EQ(wakeOf(""), "");
+  EXPECT_EQ(wakeOf("0x5A 0x04 0x11 0x6F"), "\x5a\x04\x11\x6f");
+  EXPECT_EQ(wakeOf("0x00 0xff 0xA"), std::string("\0\xff\n", 3));
+  EXPECT_EQ(wakeOf("www\\r\\n"), "www\r\n");
+  EXPECT_EQ(wakeOf("www\r\n"), "www\r\n");
+  EXPECT_EQ(wakeOf("%C,1\\q\\"), "%C,1\\q\\");
+  for (const char* text : {"0x", "0x5A 04", "0x5A 0x100", "0x5A,0x04", "0x5g"}) {
+    const std::string complaint = complaintAboutSensor({{"wake", std::string(text)}});
+    EXPECT_TRUE(contains(complaint, "wake: bytes, each from 0x00 to 0xFF, or a text (\"" + std::string(text) + "\")"))
+        << complaint;
+  }
 }
 
 TEST(RangeSerialParams, AProtocolIsNeeded) {

@@ -23,17 +23,31 @@ std::vector<TfminiReader::Reading> readingsOf(TfminiReader& reader, const std::s
   return readings;
 }
 
-Measurement measurementOf(unsigned distance_cm, unsigned strength) {
+Measurement measurementOf(unsigned distance, unsigned strength, double unit_m = 0.01) {
   TfminiReader::Frame frame{};
-  const std::string bytes = tfminiFrame(distance_cm, strength);
+  const std::string bytes = tfminiFrame(distance, strength);
   std::copy(bytes.begin(), bytes.end(), frame.begin());
-  return parseTfmini(frame);
+  return parseTfmini(frame, unit_m);
 }
 
 TEST(Tfmini, ADistanceIsInCentimetres) {
   const Measurement measurement = measurementOf(1234, 567);
   EXPECT_DOUBLE_EQ(measurement.range_m, 12.34);
   EXPECT_EQ(measurement.strength, 567.0);
+}
+
+TEST(Tfmini, SetToMillimetresADistanceIsAThousandthOfAMetre) {
+  EXPECT_DOUBLE_EQ(measurementOf(1234, 567, 0.001).range_m, 1.234);
+  TfminiReader reader(0.001);
+  EXPECT_DOUBLE_EQ(readingsOf(reader, tfminiFrame(100, 500) + tfminiFrame(11999, 500)).at(0).measurement.range_m,
+                   11.999);
+}
+
+TEST(Tfmini, CodesOfErrorsAreNamed) {
+  EXPECT_EQ(measurementOf(0xffff, 50).error_code, -1.0);
+  EXPECT_EQ(measurementOf(0xfffe, 50).error_code, -2.0);
+  EXPECT_EQ(measurementOf(0xfffc, 50, 0.001).error_code, -4.0);
+  EXPECT_TRUE(std::isnan(measurementOf(300, 0xffff).error_code));
 }
 
 TEST(Tfmini, CodesOfErrorsAreNoDistances) {

@@ -204,6 +204,37 @@ TEST_F(FolderTest, RefusesANegativeRangeButKeepsWhatRep117Allows) {
   EXPECT_EQ(error(), folder.path("range.csv") + ":2: column 'range_m': a range is not negative; too close is -inf");
 }
 
+TEST_F(FolderTest, DoubtsTheUnitOfRanges) {
+  const auto complaint = [&](const std::string& rows, const std::string& header = "stamp_s,range_m") {
+    write("range.csv", header + "\n" + rows);
+    return error();
+  };
+  EXPECT_NE(complaint("1,3200.5\n2,3190.0\n3,inf\n4,3300.0\n")
+                .find("3200.5 or more, farther than a LiDAR measures: likely in mm "
+                      "(3.2005 m), or in cm (32.005 m). Divide to metres"),
+            std::string::npos)
+      << error();
+  EXPECT_NE(complaint("1,320\n2,\n3,320\n").find("likely in mm (0.32 m), or in cm (3.2 m)"), std::string::npos)
+      << error();
+  EXPECT_NE(complaint("1,150\n2,149\n3,148\n").find("all are whole numbers: likely in cm (1.49 m)"), std::string::npos)
+      << error();
+  EXPECT_NE(complaint("1,150\n2,149\n").find("write decimals"), std::string::npos) << error();
+  EXPECT_NE(complaint("1,1e9\n").find("in which unit?"), std::string::npos) << error();
+  EXPECT_NE(complaint("1,320 m\n").find(":2: column 'range_m': '320 m' is no number: leave 'm' out"), std::string::npos)
+      << error();
+  EXPECT_NE(complaint("1,3.2mm\n").find("leave 'mm' out"), std::string::npos) << error();
+  EXPECT_NE(complaint("1,3200\n", "stamp_s,range_mm").find("Wanted are metres under this name"), std::string::npos)
+      << error();
+}
+
+TEST_F(FolderTest, TakesRangesThatMayBeMetres) {
+  for (const char* rows : {"1,3\n2,4\n", "1,149.5\n2,148.0\n", "1,130.00\n2,130.00\n3,2.5\n", "1,inf\n2,nan\n",
+                           "1,12.0\n", "1,65535\n2,3.5\n3,3.4\n", "", "1,\n"}) {
+    write("range.csv", std::string("stamp_s,range_m\n") + rows);
+    EXPECT_EQ(error(), "") << rows;
+  }
+}
+
 TEST_F(FolderTest, RefusesAPositionThatIsNotFinite) {
   write("poses.csv", "stamp_s,tx,ty,tz,qx,qy,qz,qw\n1,1,nan,3,0,0,0,1\n");
   EXPECT_EQ(error(), folder.path("poses.csv") + ":2: column 'tx': the position is not finite");

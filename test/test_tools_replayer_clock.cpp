@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
+#include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -51,6 +54,77 @@ TEST_F(ReplayerClockTest, RefusesABagWhoseTimesOfRecordingAreThoseOfItsConversio
   writeWall(6);
   delay("", 1e8);
   expectNoData(replay());
+}
+
+TEST_F(ReplayerClockTest, ByItsStampsAConvertedBagGivesTheVerdictsOfTheRecordedOne) {
+  writeWall(6);
+  const std::vector<Report> recorded = replay();
+  BagReading by_stamps;
+  by_stamps.by_stamps = true;
+  const auto expectSame = [&](const std::vector<Report>& read, const std::string& how) {
+    ASSERT_EQ(read.size(), recorded.size()) << how;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      EXPECT_EQ(read[i].verdict.state, recorded[i].verdict.state) << how;
+      EXPECT_EQ(read[i].verdict.reasons, recorded[i].verdict.reasons) << how;
+      EXPECT_EQ(read[i].range.range_m, recorded[i].range.range_m) << how;
+      EXPECT_EQ(read[i].range_lidar_m, recorded[i].range_lidar_m) << how;
+    }
+  };
+  const auto recordAt = [&](const std::function<ros::Time(const rosbag::MessageInstance&)>& time) {
+    rewriteBag(path(), [&](const rosbag::MessageInstance& message, rosbag::Bag& out) {
+      out.write(message.getTopic(), time(message), message, message.getConnectionHeader());
+    });
+  };
+  expectSame(replay(by_stamps), "as it was recorded");
+  recordAt([](const auto&) { return ros::Time(1700000000, 0); });
+  expectSame(replay(by_stamps), "all at once");
+  EXPECT_NEAR(StereoBagReader(path(), {}, by_stamps).rate(), 10.0, 1e-6);
+  recordAt([](const auto&) { return ros::TIME_MIN; });
+  expectSame(replay(by_stamps), "at 0");
+  double at_s = 1e9;
+  recordAt([&](const auto&) { return ros::Time(at_s -= 1.0); });
+  expectSame(replay(by_stamps), "backwards");
+  const std::vector<std::string> topics{"/tf_static",         StereoTopics().left,       StereoTopics().left_info,
+                                        StereoTopics().right, StereoTopics().right_info, StereoTopics().range};
+  recordAt([&](const rosbag::MessageInstance& message) {
+    const auto place = std::find(topics.begin(), topics.end(), message.getTopic()) - topics.begin();
+    return ros::Time(10.0 + static_cast<double>(place));
+  });
+  expectSame(replay(by_stamps), "topic by topic");
+}
+
+TEST_F(ReplayerClockTest, ByItsStampsABagWithPosesIsRead) {
+  writeWall(6);
+  {
+    rosbag::Bag out(path(), rosbag::bagmode::Append);
+    for (int i = 0; i < 8; ++i) {
+      tf2_msgs::TFMessage poses;
+      poses.transforms.resize(1);
+      poses.transforms[0].header.frame_id = "odom";
+      poses.transforms[0].header.stamp = test_support::kWallStart + ros::Duration(0.1 * i);
+      poses.transforms[0].child_frame_id = "base_link";
+      poses.transforms[0].transform.rotation.w = 1.0;
+      out.write("tf", ros::Time(5.0), poses);
+    }
+  }
+  delay("", 1e7);
+  config.core.map.frame_id = "odom";
+  BagReading by_stamps;
+  by_stamps.by_stamps = true;
+  EXPECT_EQ(replay(by_stamps).back().verdict.state, State::Blocked);
+}
+
+TEST_F(ReplayerClockTest, TransformsAreReadWithoutALeadingSlash) {
+  writeWall(6);
+  const std::vector<Report> with = replay();
+  rewriteBag(path(), [&](const rosbag::MessageInstance& message, rosbag::Bag& out) {
+    if (message.getTopic() != "/tf_static") return copyMessage(message, out);
+    out.write("tf_static", message.getTime(), *message.instantiate<tf2_msgs::TFMessage>());
+  });
+  const std::vector<Report> without = replay();
+  ASSERT_EQ(without.size(), with.size());
+  EXPECT_EQ(without.back().range_lidar_m, with.back().range_lidar_m);
+  EXPECT_TRUE(std::isfinite(without.back().range_lidar_m));
 }
 
 TEST_F(ReplayerClockTest, TakesPairsThatCameInTime) {

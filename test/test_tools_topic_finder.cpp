@@ -35,7 +35,9 @@ class TopicFinderTest : public testing::Test {
         } else if (topic.find("compressed") != std::string::npos) {
           bag.write(topic, stamp, sensor_msgs::CompressedImage());
         } else {
-          bag.write(topic, stamp, sensor_msgs::Image());
+          sensor_msgs::Image image;
+          image.encoding = topic.find("16UC1") == std::string::npos ? "mono8" : "16UC1";
+          bag.write(topic, stamp, image);
         }
       }
     }
@@ -72,6 +74,32 @@ TEST_F(TopicFinderTest, FindsThePairsThatDriversWrite) {
     EXPECT_EQ(topics.left, left);
     EXPECT_EQ(topics.right, right);
   }
+}
+
+TEST_F(TopicFinderTest, ARigMayBeCalledDepth) {
+  for (const auto& [left, right] : {std::pair("/depth_rig/left/image_rect", "/depth_rig/right/image_rect"),
+                                    std::pair("/uav1/depth/left/image_raw", "/uav1/depth/right/image_raw"),
+                                    std::pair("/disparity/cam0/image_raw", "/disparity/cam1/image_raw"),
+                                    std::pair("/depth_rig/image_left", "/depth_rig/image_right")}) {
+    write({left, right});
+    EXPECT_EQ(find().left, left);
+    EXPECT_EQ(find().right, right);
+  }
+}
+
+TEST_F(TopicFinderTest, DepthImagesAreNoPair) {
+  const std::string left = "/rig/left/image_raw", right = "/rig/right/image_raw";
+  for (const auto& [other_left, other_right] :
+       {std::pair("/depth1/image_rect", "/depth2/image_rect"), std::pair("/rig/left/depth", "/rig/right/depth"),
+        std::pair("/l/Disparity/image_rect", "/r/Disparity/image_rect"),
+        std::pair("/rig/left/image_16UC1", "/rig/right/image_16UC1"),
+        std::pair("/cam1/image_rect/compressedDepth", "/cam2/image_rect/compressedDepth")}) {
+    write({left, right, other_left, other_right});
+    EXPECT_EQ(find().left, left) << other_left;
+    EXPECT_EQ(find().right, right) << other_left;
+  }
+  write({"/rig/left/image_16UC1", "/rig/right/image_16UC1"});
+  EXPECT_NE(error().find("no two image topics"), std::string::npos) << error();
 }
 
 TEST_F(TopicFinderTest, TakesRectifiedImagesBeforeRawAndGreyBeforeColour) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "flight_corridor/range/pending_readings.hpp"
+#include "ros/stamp_age.hpp"
 
 namespace flight_corridor_ros {
 
@@ -16,8 +17,8 @@ void GoalDirection::put(const geometry_msgs::Vector3Stamped& message, const ros:
   if (frame.empty()) return refuse("it names no frame (header.frame_id)");
   if (!(1e-6 <= norm && std::isfinite(norm))) return refuse("its vector has no direction");
   if (!message.header.stamp.isZero() && !(std::abs(age_s) <= flight_corridor::kLongestDelay_s)) {
-    return refuse("it is " + std::to_string(age_s) + " s old, outside +-" +
-                  std::to_string(flight_corridor::kLongestDelay_s) + " s: stamp it when it is sent, or with 0");
+    return refuse("it is " + describeAge(age_s) + ", outside +-" + std::to_string(flight_corridor::kLongestDelay_s) +
+                  " s: stamp it when it is sent, or with 0");
   }
   frame_ = frame;
   direction_ = direction / norm;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "ros/fields.hpp"
+#include "ros/stamp_age.hpp"
 #include "ros/transforms.hpp"
 
 namespace flight_corridor_ros {
@@ -109,9 +110,9 @@ std::string Guard::complaintAbout(const Latest<Message>& latest, const char* top
     return format("stopped: no %s has come. Start the corridor's node, or remap %s to its topic", topic, topic);
   }
   return format(
-      "stopped: %s is %.2f s old, outside +-%.2f s (max_age_s). See the rate and latency of the "
+      "stopped: %s is %s, outside +-%.2f s (max_age_s). See the rate and latency of the "
       "corridor's node and the clocks, or raise max_age_s and, as much, that node's speed/delay_s",
-      topic, age_s, config_.max_age_s);
+      topic, describeAge(age_s).c_str(), config_.max_age_s);
 }
 
 /// "": it may be flown.
@@ -119,9 +120,9 @@ std::string Guard::complaintAboutCommand(const GuardTime& time) const {
   const double age_s = ageOf(command_, time);
   if (!(std::abs(age_s) <= config_.command_age_s)) {
     return format(
-        "stopped: the command is %.2f s old, outside +-%.2f s (command_age_s). Send commands more often, stamped when "
+        "stopped: the command is %s, outside +-%.2f s (command_age_s). Send commands more often, stamped when "
         "they are sent",
-        age_s, config_.command_age_s);
+        describeAge(age_s).c_str(), config_.command_age_s);
   }
   const std::string frame = withoutSlash(command_.message.header.frame_id);
   if (config_.stamped && frame != config_.frame_id) {

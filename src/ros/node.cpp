@@ -4,6 +4,9 @@
 
 #include <cmath>
 #include <exception>
+#include <string>
+
+#include "ros/stamp_age.hpp"
 
 namespace flight_corridor_ros {
 
@@ -17,10 +20,9 @@ constexpr std::uint32_t kReadingQueue = 2000;  // readings while callbacks wait:
 /// Of a clock that nobody sets.
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
-const char* ageRemedy() {
-  return ros::Time::isSimTime()
-             ? "use_sim_time is set: play the bag with --clock"
-             : "for a bag set use_sim_time and play it with --clock; for cameras synchronise the clocks";
+std::string ageRemedy(double age_s) {
+  if (ros::Time::isSimTime()) return "use_sim_time is set: play the bag with --clock";
+  return (age_s < 0.0 ? "" : "for a bag set use_sim_time and play it with --clock; for cameras ") + clockRemedy(age_s);
 }
 
 }  // namespace
@@ -126,8 +128,8 @@ bool Node::isFresh(const ros::Time& stamp) {
   const double max_age_s = max_age_s_;
   if (std::abs(age_s) <= max_age_s) return true;
   if (age_warning_.due()) {
-    ROS_WARN("stereo pair is %.3f s old, outside +-%.3f s (corridor/max_age_s): UNKNOWN. %s", age_s, max_age_s,
-             ageRemedy());
+    ROS_WARN("stereo pair is %s, outside +-%.3f s (corridor/max_age_s): UNKNOWN. To do: %s", describeAge(age_s).c_str(),
+             max_age_s, ageRemedy(age_s).c_str());
   }
   return false;
 }

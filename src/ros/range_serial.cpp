@@ -5,6 +5,7 @@
 #include <sensor_msgs/Range.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace flight_corridor_ros {
 
@@ -27,10 +28,12 @@ ros::Time toStamp(double stamp_s) { return stamp_s > 0.0 ? ros::Time(stamp_s) : 
 
 RangeSerial::RangeSerial(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : config_(makeRangeSerialConfig(readParameters(private_node))),
-      parser_(config_.protocol, config_.limits, kBits / config_.baud),
+      parser_(config_.protocol, config_.limits, kBits / config_.baud, config_.unit_m),
       next_opening_s_(steadySeconds()),
       next_request_s_(next_opening_s_),
+      wake_s_(next_opening_s_),
       heard_s_(next_opening_s_),
+      useful_s_(next_opening_s_),
       diagnostics_(node, private_node, config_.port),
       publisher_(ros::NodeHandle(node).advertise<sensor_msgs::Range>("range", kQueue)) {}
 
@@ -38,6 +41,7 @@ void RangeSerial::step() {
   if (port_.isOpen()) {
     receive(port_.read(bytes_.data(), bytes_.size(), waitSeconds()));
     requestWhenDue();
+    wakeInSilence();
     noticeLoss();
   } else {
     openWhenDue();
@@ -54,6 +58,7 @@ void RangeSerial::openWhenDue() {
   diagnostics_.recordPort(trouble_);
   if (!trouble_.empty()) return;
   parser_.restart();
+  wake();
   if (!opening_info_.due()) return;
   ROS_INFO("%s is open: %s, %d baud", config_.port.c_str(), toString(config_.protocol), config_.baud);
 }
@@ -65,6 +70,7 @@ void RangeSerial::receive(std::size_t size) {
   diagnostics_.recordCounts(parser_.counts());
   for (const serial::WireReading& reading : readings_) publish(reading);
   if (readings_.empty()) return;
+  watchUse();
   heard_s_ = steadySeconds();
   heard_bytes_ = parser_.counts().bytes;
 }
@@ -95,6 +101,16 @@ void RangeSerial::requestWhenDue() {
   port_.write(requestOf(config_.protocol));
 }
 
+void RangeSerial::wake() {
+  wake_s_ = steadySeconds();
+  if (!config_.wake.empty()) port_.write(config_.wake);
+}
+
+/// The sensor may start later than the port opens.
+void RangeSerial::wakeInSilence() {
+  if (steadySeconds() - std::max(heard_s_, wake_s_) > config_.silence_s) wake();
+}
+
 void RangeSerial::noticeLoss() {
   if (port_.isOpen()) return;
   trouble_ = port_.lossReason();
@@ -122,6 +138,41 @@ std::string RangeSerial::silenceCause() const {
   const bool may_wait = !requestOf(config_.protocol).empty() && config_.request_hz == 0.0;
   return std::string("no byte came. Check power and wiring (its TX to our RX)") +
          (may_wait ? ", and set request_hz if the sensor speaks on demand" : "");
+}
+
+/// Says that for a while no reading was a range, nor "nothing in range".
+void RangeSerial::watchUse() {
+  const double now_s = steadySeconds();
+  const bool is_useful =
+      std::any_of(readings_.begin(), readings_.end(), [](const auto& reading) { return !std::isnan(reading.range_m); });
+  if (is_useful || now_s - heard_s_ > config_.silence_s) useful_s_ = now_s;
+  const double useless_s = now_s - useful_s_;
+  const bool is_useless = useless_s > config_.silence_s;
+  const std::string cause = is_useless ? useCause(readings_.back()) : "";
+  diagnostics_.recordUse(cause);
+  if (!is_useless || !use_warning_.due()) return;
+  ROS_WARN("no reading from %s has had a range for %.1f s (silence_s: %.1f): %s", config_.port.c_str(), useless_s,
+           config_.silence_s, cause.c_str());
+}
+
+/// What a reading without a range says, and the remedy.
+std::string RangeSerial::useCause(const serial::WireReading& reading) const {
+  const auto written = [](double value) { return std::to_string(std::lround(value)); };
+  if (!std::isnan(reading.error_code)) {
+    return "the sensor sends error code " + written(reading.error_code) +
+           " in place of a distance. See its manual and its lens; it may hang: switch it off and on";
+  }
+  if (std::isnan(reading.strength)) {
+    return "the sensor does not answer the Arduino. Check its power and wiring; it may hang: switch it off and on";
+  }
+  if (reading.strength >= config_.limits.strength_min) {
+    return "the return is overexposed, strength " + written(reading.strength) + ". Something bright is before it";
+  }
+  const std::string text = "strength " + written(reading.strength) + " is below strength_min (" +
+                           written(config_.limits.strength_min) + "). ";
+  return text + (reading.strength == 0.0 ? "A sensor that sends no strength, as Benewake's TF03, needs strength_min 0; "
+                                           "another one may hang: switch it off and on"
+                                         : "Nothing may return, or the lens be dirty; else lower strength_min");
 }
 
 }  // namespace flight_corridor_ros

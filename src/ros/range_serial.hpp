@@ -30,20 +30,25 @@ class RangeSerial {
   void publish(const flight_corridor::serial::WireReading& reading);
   double waitSeconds() const;
   void requestWhenDue();
+  void wake();
+  void wakeInSilence();
   void noticeLoss();
   void warnOfSilence();
   std::string silenceCause() const;
+  void watchUse();
+  std::string useCause(const flight_corridor::serial::WireReading& reading) const;
 
   RangeSerialConfig config_;
   flight_corridor::serial::SerialPort port_;
   flight_corridor::serial::RangeParser parser_;
   std::array<std::uint8_t, 4096> bytes_{};
   std::vector<flight_corridor::serial::WireReading> readings_;
-  std::string trouble_ = "not opened yet";  // of the port; "" while it is open
-  double next_opening_s_, next_request_s_;  // of a clock that nobody sets
-  double heard_s_;                          // the newest reading, or the start
-  std::uint64_t heard_bytes_ = 0;           // that had come by then
-  Throttle opening_info_, loss_warning_, silence_warning_;
+  std::string trouble_ = "not opened yet";           // of the port; "" while it is open
+  double next_opening_s_, next_request_s_, wake_s_;  // of a clock that nobody sets
+  double heard_s_;                                   // the newest reading, or the start
+  double useful_s_;                                  // the newest that is no NaN, or what came first after a silence
+  std::uint64_t heard_bytes_ = 0;                    // that had come by then
+  Throttle opening_info_, loss_warning_, silence_warning_, use_warning_;
   RangeSerialDiagnostics diagnostics_;
   ros::Publisher publisher_;
 };

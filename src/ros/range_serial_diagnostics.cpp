@@ -36,6 +36,11 @@ void RangeSerialDiagnostics::recordCounts(const flight_corridor::serial::WireCou
   counts_ = counts;
 }
 
+void RangeSerialDiagnostics::recordUse(const std::string& trouble) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  use_trouble_ = trouble;
+}
+
 void RangeSerialDiagnostics::recordReading(const flight_corridor::serial::WireReading& reading) {
   const std::lock_guard<std::mutex> lock(mutex_);
   newest_ = reading;
@@ -51,6 +56,8 @@ void RangeSerialDiagnostics::summarise(DiagnosticStatusWrapper& status) const {
     status.summary(DiagnosticStatus::ERROR, "no bytes");
   } else if (counts_.readings == described_counts_.readings) {
     status.summary(DiagnosticStatus::ERROR, "bytes, but no reading: baud, protocol");
+  } else if (!use_trouble_.empty()) {
+    status.summary(DiagnosticStatus::WARN, "no reading has a range: " + use_trouble_);
   } else if (static_cast<double>(refused) > kMostRefused * static_cast<double>(bytes)) {
     status.summary(DiagnosticStatus::WARN, "many bytes refused: wiring, baud");
   } else {

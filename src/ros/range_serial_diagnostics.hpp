@@ -20,6 +20,8 @@ class RangeSerialDiagnostics {
   void recordPort(const std::string& trouble);
   /// What the parser has counted so far.
   void recordCounts(const flight_corridor::serial::WireCounts& counts);
+  /// Why no reading has had a range for a while; "" while they have.
+  void recordUse(const std::string& trouble);
   void recordReading(const flight_corridor::serial::WireReading& reading);
 
  private:
@@ -28,7 +30,7 @@ class RangeSerialDiagnostics {
 
   const std::string port_;
   std::mutex mutex_;
-  std::string trouble_ = "not opened yet";
+  std::string trouble_ = "not opened yet", use_trouble_;
   std::uint64_t openings_ = 0;
   flight_corridor::serial::WireCounts counts_, described_counts_;
   flight_corridor::serial::WireReading newest_;

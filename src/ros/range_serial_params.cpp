@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <sstream>
 
 #include "ros/fields.hpp"
 #include "serial/serial_port.hpp"
@@ -43,6 +44,50 @@ serial::Protocol protocolIn(const Values& values, Violations& broken) {
   return protocol.value_or(serial::kProtocols.front());
 }
 
+std::string unitNames(serial::Protocol protocol) {
+  std::string names;
+  for (const serial::Unit& unit : unitsOf(protocol)) names += (names.empty() ? "" : " or ") + std::string(unit.name);
+  return names + ", as protocol " + toString(protocol) + " has it";
+}
+
+/// In metres; 0 for a unit in which the protocol's sensors do not speak.
+double metresOf(serial::Protocol protocol, const std::string& name) {
+  for (const serial::Unit& unit : unitsOf(protocol)) {
+    if (name == unit.name) return unit.metres;
+  }
+  return 0.0;
+}
+
+/// One byte as 0x5A.
+std::optional<char> parseByte(const std::string& word) {
+  const bool is_hexadecimal = word.size() >= 3 && word.size() <= 4 && word.compare(0, 2, "0x") == 0 &&
+                              word.find_first_not_of("0123456789abcdefABCDEF", 2) == std::string::npos;
+  if (!is_hexadecimal) return std::nullopt;
+  return static_cast<char>(std::stoul(word, nullptr, 16));
+}
+
+/// Words that begin with 0x are bytes; any other text is sent as it is, its \r and \n as those characters.
+/// @return nullopt where a byte is none.
+std::optional<std::string> parseWake(const std::string& text) {
+  std::string bytes;
+  if (text.compare(0, 2, "0x") == 0) {
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+      const auto byte = parseByte(word);
+      if (!byte) return std::nullopt;
+      bytes.push_back(*byte);
+    }
+    return bytes;
+  }
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char next = text[i] == '\\' && i + 1 < text.size() ? text[i + 1] : '\0';
+    const bool is_escape = next == 'r' || next == 'n';
+    bytes.push_back(!is_escape ? text[i] : next == 'r' ? '\r' : '\n');
+    i += is_escape;
+  }
+  return bytes;
+}
+
 /// Refuses NaN, too: each rule says what is accepted.
 Violations check(const RangeSerialConfig& c) {
   Violations broken;
@@ -63,6 +108,8 @@ Violations check(const RangeSerialConfig& c) {
           c.limits.strength_min);
   require(hasStrength(c.protocol) || c.limits.strength_min == 0.0, "strength_min",
           "0: protocol " + std::string(toString(c.protocol)) + " reports no strength", c.limits.strength_min);
+  require(c.unit_m > 0.0, "unit", unitNames(c.protocol), c.unit);
+  require(parseWake(c.wake).has_value(), "wake", "bytes, each from 0x00 to 0xFF, or a text", c.wake);
   require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
   require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
           "0: protocol " + std::string(toString(c.protocol)) + " cannot be asked", c.request_hz);
@@ -79,6 +126,7 @@ RangeSerialConfig makeRangeSerialConfig(const Values& values) {
   const serial::SensorDefaults defaults = defaultsOf(config.protocol);
   config.field_of_view_rad = defaults.field_of_view_rad;
   config.limits = {defaults.min_range_m, defaults.max_range_m, defaults.strength_min};
+  config.unit = unitsOf(config.protocol).front().name;
   Values others = values;
   others.erase("protocol");
   const Fields fields{{"port", &config.port},
@@ -88,12 +136,15 @@ RangeSerialConfig makeRangeSerialConfig(const Values& values) {
                       {"min_range_m", &config.limits.min_range_m},
                       {"max_range_m", &config.limits.max_range_m},
                       {"strength_min", &config.limits.strength_min},
+                      {"unit", &config.unit},
+                      {"wake", &config.wake},
                       {"request_hz", &config.request_hz},
                       {"silence_s", &config.silence_s}};
-  for (const Violations& part : {assign(others, fields), check(config)}) {
-    broken.insert(broken.end(), part.begin(), part.end());
-  }
+  const Violations unassigned = assign(others, fields);
+  config.unit_m = metresOf(config.protocol, config.unit);
+  for (const Violations& part : {unassigned, check(config)}) broken.insert(broken.end(), part.begin(), part.end());
   flight_corridor::throwIfBroken(broken);
+  config.wake = parseWake(config.wake).value();
   return config;
 }
 

@@ -1,6 +1,7 @@
 #include "serial/lightware.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMostWholeDigits = 3;
 constexpr std::size_t kDecimals = 2;  // as all their manuals show; fewer: bytes were lost
+constexpr double kNothingReturned = -1.0;
 
 bool isDigit(char character) { return '0' <= character && character <= '9'; }
 
@@ -44,16 +46,37 @@ std::optional<double> parseMetres(std::string_view text) {
   return std::stoi(std::string(whole) + std::string(decimals)) / 100.0;
 }
 
+/// What follows a minus: up to three digits, with or without decimals.
+std::optional<double> parseCode(std::string_view text) {
+  const std::size_t point = std::min(text.find('.'), text.size());
+  const std::string_view whole = text.substr(0, point), decimals = text.substr(std::min(point + 1, text.size()));
+  if (whole.empty() || whole.size() > kMostWholeDigits || decimals.size() > kMostWholeDigits) return std::nullopt;
+  if (!areDigits(whole) || !areDigits(decimals)) return std::nullopt;
+  return -std::stod(std::string(whole) + "." + std::string(decimals) + "0");
+}
+
+Parsed readCode(std::string_view text) {
+  const std::optional<double> code = parseCode(text);
+  if (!code) return {};
+  Parsed parsed{Parsed::Outcome::Valid, {}};
+  if (*code == kNothingReturned) {
+    parsed.measurement.range_m = std::numeric_limits<double>::infinity();
+  } else {
+    parsed.measurement.error_code = *code;
+  }
+  return parsed;
+}
+
 }  // namespace
 
 Parsed parseLightware(std::string_view line) {
   removeLabel(line);
   removeUnit(line);
-  const bool is_negative = removePrefix(line, "-");
+  if (removePrefix(line, "-")) return readCode(line);
   const std::optional<double> metres = parseMetres(line);
   if (!metres) return {};
   Parsed parsed{Parsed::Outcome::Valid, {}};
-  if (!is_negative) parsed.measurement.range_m = *metres;
+  parsed.measurement.range_m = *metres;
   return parsed;
 }
 

@@ -10,6 +10,8 @@ struct Measurement {
   double range_m = std::numeric_limits<double>::quiet_NaN();
   /// In the sensor's own unit; NaN: it does not say.
   double strength = std::numeric_limits<double>::quiet_NaN();
+  /// What the sensor sent in place of a distance, e.g. -3; NaN: no such number.
+  double error_code = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A frame or line, read.

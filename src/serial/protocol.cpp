@@ -36,6 +36,18 @@ SensorDefaults defaultsOf(Protocol protocol) {
   return {0.008, 0.05, 40.0, 0.0};
 }
 
+std::vector<Unit> unitsOf(Protocol protocol) {
+  switch (protocol) {
+    case Protocol::Lightware:
+      return {{"m", 1.0}};
+    case Protocol::Tfmini:  // TFmini Plus, TF-Luna: output format 1, 6
+      return {{"cm", 0.01}, {"mm", 0.001}};
+    case Protocol::LidarLite:
+      break;
+  }
+  return {{"cm", 0.01}};
+}
+
 bool hasStrength(Protocol protocol) { return protocol != Protocol::Lightware; }
 
 std::string requestOf(Protocol protocol) { return protocol == Protocol::Lightware ? "d" : ""; }

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace flight_corridor::serial {
 
@@ -20,6 +21,13 @@ struct SensorDefaults {
   double strength_min;  ///< In the sensor's unit; weaker returns are not believed.
 };
 SensorDefaults defaultsOf(Protocol protocol);
+
+struct Unit {
+  const char* name;
+  double metres;
+};
+/// In which units a LiDAR that speaks a protocol may be set to give distances; the first is the usual one.
+std::vector<Unit> unitsOf(Protocol protocol);
 
 /// Whether its readings say how strong the return was.
 bool hasStrength(Protocol protocol);

@@ -25,14 +25,14 @@ double limitedRange(const Measurement& measurement, const RangeLimits& limits) {
   return range_m < limits.max_range_m ? range_m : kInfinity;
 }
 
-RangeParser::RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s)
-    : protocol_(protocol), limits_(limits), byte_s_(byte_s), previous_read_s_(-kInfinity) {
+RangeParser::RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s, double unit_m)
+    : protocol_(protocol), limits_(limits), byte_s_(byte_s), unit_m_(unit_m), previous_read_s_(-kInfinity) {
   makeReader();
 }
 
 void RangeParser::makeReader() {
   if (protocol_ == Protocol::Tfmini) {
-    reader_ = TfminiReader();
+    reader_ = TfminiReader(unit_m_);
   } else {
     reader_ = LineReader();
   }
@@ -45,7 +45,9 @@ void RangeParser::feed(const std::uint8_t* bytes, std::size_t size, double read_
     ++counts_.bytes;
     if (const auto framed = add(bytes[i], arrival_s)) {
       ++counts_.readings;
-      readings.push_back({limitedRange(framed->measurement, limits_), framed->measurement.strength, framed->stamp_s});
+      const Measurement& measurement = framed->measurement;
+      readings.push_back(
+          {limitedRange(measurement, limits_), measurement.strength, framed->stamp_s, measurement.error_code});
     }
   }
   if (size > 0) previous_read_s_ = read_s;

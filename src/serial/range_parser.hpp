@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -24,9 +25,10 @@ struct RangeLimits {
 double limitedRange(const Measurement& measurement, const RangeLimits& limits);
 
 struct WireReading {
-  double range_m;   ///< limitedRange().
-  double strength;  ///< NaN: the sensor does not say.
-  double stamp_s;   ///< When the first byte of its frame began to arrive.
+  double range_m;                                                ///< limitedRange().
+  double strength;                                               ///< NaN: the sensor does not say.
+  double stamp_s;                                                ///< When the first byte of its frame began to arrive.
+  double error_code = std::numeric_limits<double>::quiet_NaN();  ///< See Measurement.
 };
 
 /// Since the parser was made.
@@ -40,7 +42,8 @@ struct WireCounts {
 class RangeParser {
  public:
   /// @param byte_s how long a byte is on the wire: 10 bits (8N1) over the baud rate.
-  RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s);
+  /// @param unit_m one of unitsOf(protocol).
+  RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s, double unit_m);
 
   /// Adds the readings that these bytes complete.
   /// A byte's arrival: so many bytes times byte_s before the read, but no earlier than the read before: then it was not
@@ -68,7 +71,7 @@ class RangeParser {
 
   Protocol protocol_;
   RangeLimits limits_;
-  double byte_s_;
+  double byte_s_, unit_m_;
   double previous_read_s_;
   std::variant<LineReader, TfminiReader> reader_;
   WireCounts counts_;

@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::uint8_t kHeader = 0x59;
 constexpr unsigned kTooWeak = 0xffff, kSaturated = 0xfffe, kAmbientLight = 0xfffc;  // -1, -2, -4 in place of a distance
+constexpr double kCodes = 0x10000;                                                  // from a word to its code
 constexpr unsigned kOverexposed = 0xffff;                                           // in place of a strength
-constexpr double kMetresPerCentimetre = 0.01;
 
 bool checksumHolds(const TfminiReader::Frame& frame) {
   return std::accumulate(frame.begin(), frame.end() - 1, 0u) % 256u == frame.back();
@@ -20,12 +20,16 @@ unsigned word(const TfminiReader::Frame& frame, std::size_t low) { return frame[
 
 }  // namespace
 
-Measurement parseTfmini(const TfminiReader::Frame& frame) {
-  const unsigned distance_cm = word(frame, 2), strength = word(frame, 4);
+Measurement parseTfmini(const TfminiReader::Frame& frame, double unit_m) {
+  const unsigned distance = word(frame, 2), strength = word(frame, 4);
   Measurement measurement;
   measurement.strength = strength;
-  const bool is_error = distance_cm == kTooWeak || distance_cm == kSaturated || distance_cm == kAmbientLight;
-  if (!is_error && strength != kOverexposed) measurement.range_m = kMetresPerCentimetre * distance_cm;
+  const bool is_error = distance == kTooWeak || distance == kSaturated || distance == kAmbientLight;
+  if (is_error) {
+    measurement.error_code = static_cast<double>(distance) - kCodes;
+  } else if (strength != kOverexposed) {
+    measurement.range_m = unit_m * distance;
+  }
   return measurement;
 }
 
@@ -48,7 +52,7 @@ std::optional<TfminiReader::Reading> TfminiReader::add(std::uint8_t byte, double
     return std::nullopt;
   }
   size_ = 0;
-  if (in_step_) return Reading{parseTfmini(bytes_), arrivals_s_[0]};
+  if (in_step_) return Reading{parseTfmini(bytes_, unit_m_), arrivals_s_[0]};
   in_step_ = true;
   refused_ += kFrameBytes;
   return std::nullopt;

@@ -9,8 +9,9 @@
 
 namespace flight_corridor::serial {
 
-/// Finds the frames of a Benewake TFmini, TFmini-S, TFmini Plus or TF-Luna in a stream of bytes:
-///   0x59 0x59 distance (cm, low byte first) strength temperature checksum (low byte of the sum of the eight before)
+/// Finds the frames of a Benewake TFmini, TFmini-S, TFmini Plus, TF-Luna or TF03 in a stream of bytes:
+///   0x59 0x59 distance (cm or mm, low byte first) strength temperature checksum (low byte of the sum of the eight
+///   before)
 /// A frame counts when it follows another without a gap: a header within the data of a stream that was entered halfway
 /// passes the checksum once in 256 times, but hardly twice.
 /// Source: TFmini Plus manual SJ-PM-TFmini Plus-T-01, 5.3, table 7; TF-Luna manual SJ-PM-TF-Luna, 5.4.
@@ -23,6 +24,9 @@ class TfminiReader {
     Measurement measurement;
     double stamp_s;  ///< When the frame's first byte arrived.
   };
+
+  /// @param unit_m of the distances: 0.01, or 0.001 where the sensor is set to millimetres.
+  explicit TfminiReader(double unit_m = 0.01) : unit_m_(unit_m) {}
 
   /// @return the reading that this byte completes, if it completes one.
   std::optional<Reading> add(std::uint8_t byte, double arrival_s);
@@ -37,6 +41,7 @@ class TfminiReader {
   bool startsLikeAFrame() const;
   void dropFirst(std::size_t count);
 
+  double unit_m_;
   Frame bytes_{};
   std::array<double, kFrameBytes> arrivals_s_{};
   std::size_t size_ = 0;
@@ -46,6 +51,6 @@ class TfminiReader {
 
 /// What a frame says; its header and checksum are not looked at. Not valid: the distances that stand for errors, -1, -2
 /// and -4, and a strength of 65535, which is overexposure (TFmini-S manual SJ-PM-TFmini-S, table 8; TF-Luna, 5.4).
-Measurement parseTfmini(const TfminiReader::Frame& frame);
+Measurement parseTfmini(const TfminiReader::Frame& frame, double unit_m);
 
 }  // namespace flight_corridor::serial

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -92,6 +93,13 @@ bool isDigits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+bool isLetter(unsigned char c) { return std::isalpha(c) != 0; }
+
+std::string withoutSpaces(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
 /// The unit of a present-day stamp that is not in seconds, by its digits before the point; "" where it may be.
 std::string unitOf(const std::string& stamp) {
   const std::string whole = stamp.substr(0, stamp.find('.'));
@@ -175,8 +183,11 @@ double CsvTable::number(std::size_t row, const std::string& column) const {
   const std::string& cell = text(row, column);
   char* end = nullptr;
   const double value = std::strtod(cell.c_str(), &end);
-  if (cell.empty() || *end != '\0') fail(row, column, "'" + cell + "' is no number");
-  return value;
+  if (!cell.empty() && *end == '\0') return value;
+  const std::string unit = withoutSpaces(end);
+  const bool is_unit = end != cell.c_str() && !unit.empty() && std::all_of(unit.begin(), unit.end(), isLetter);
+  fail(row, column,
+       "'" + cell + "' is no number" + (is_unit ? ": leave '" + unit + "' out, in the column's unit" : ""));
 }
 
 ros::Time CsvTable::stamp(std::size_t row, const std::string& column) const {

@@ -31,10 +31,11 @@ class CsvTable {
   /// The whole column.  @throws std::runtime_error naming file, line and value when one is no stamp, or is not later
   /// than the one before.
   std::vector<ros::Time> stamps(const std::string& column) const;
+  /// That there is no such column, with the header that is there, for errors.
+  std::string missing(const std::string& column) const;
   [[noreturn]] void fail(std::size_t row, const std::string& column, const std::string& what) const;
 
  private:
-  std::string missing(const std::string& column) const;
   std::size_t index(const std::string& column) const;
   ros::Time stamp(std::size_t row, const std::string& column) const;
 

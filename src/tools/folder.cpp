@@ -6,12 +6,15 @@
 #include <cstring>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "flight_corridor/corridor/corridor.hpp"
 #include "ros/conversions.hpp"
 #include "tools/calibration_file.hpp"
 #include "tools/csv.hpp"
+#include "tools/score.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -20,6 +23,9 @@ namespace fs = std::filesystem;
 
 constexpr double kLongestPeriod_s = 10.0;  // of a recording that anybody flies by
 constexpr std::size_t kStampDigits = 19;   // of nanoseconds since 1970, today
+constexpr double kFarthest_m = 200.0;      // that a LiDAR of an aircraft measures
+constexpr double kFarthestWhole_m = 20.0;  // that somebody may have written without decimals
+constexpr double kUsualRanges_m[] = {0.2, 50.0};
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(path.string() + ": " + what);
@@ -138,11 +144,48 @@ std::vector<Stamped<ImagePair>> stampPairs(const fs::path& folder, double rate_h
   return stamped;
 }
 
+/// In which unit such ranges are metres that a LiDAR measures.
+std::string likelyUnits(double range) {
+  std::string text;
+  for (const auto& [unit, metres] : {std::pair("mm", 0.001), std::pair("cm", 0.01)}) {
+    const double range_m = range * metres;
+    if (!(kUsualRanges_m[0] <= range_m && range_m <= kUsualRanges_m[1])) continue;
+    std::ostringstream value;
+    value << unit << " (" << range_m << " m)";
+    text += (text.empty() ? "likely in " : ", or in ") + value.str();
+  }
+  return text.empty() ? "in which unit?" : text;
+}
+
+/// Half the ranges are farther than a LiDAR measures, or all are whole numbers, as sensors send mm and cm.
+void requireMetres(const CsvTable& table, const fs::path& path) {
+  if (!table.has("range_m")) throw std::runtime_error(table.missing("range_m") + ". Wanted are metres under this name");
+  std::vector<double> ranges;
+  bool are_whole = true;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::string& cell = table.text(i, "range_m");
+    const double range = cell.empty() ? kNaN : table.number(i, "range_m");
+    if (!std::isfinite(range)) continue;
+    ranges.push_back(range);
+    are_whole = are_whole && cell.find_first_not_of("0123456789") == std::string::npos;
+  }
+  if (ranges.empty()) return;
+  const double middle = quantile(ranges, 0.5);
+  const bool are_far = middle > kFarthest_m;
+  if (!are_far && !(are_whole && middle > kFarthestWhole_m)) return;
+  std::ostringstream text;
+  text << "column 'range_m': half the ranges are " << middle << " or more, "
+       << (are_far ? "farther than a LiDAR measures: " : "and all are whole numbers: ") << likelyUnits(middle)
+       << ". Divide to metres" << (are_far ? "" : "; if they are metres, write decimals, 12.0");
+  fail(path, text.str());
+}
+
 std::vector<Stamped<double>> readRanges(const fs::path& path) {
   std::vector<Stamped<double>> ranges_m;
   if (!fs::exists(path)) return ranges_m;
   const CsvTable table(path.string());
   const std::vector<ros::Time> stamps = table.stamps("stamp_s");
+  if (!stamps.empty()) requireMetres(table, path);
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     if (table.text(i, "range_m").empty()) continue;  // no reading
     const double range_m = table.number(i, "range_m");

@@ -66,6 +66,7 @@ void declareBag(CommandLine& options) {
       .optional("calib-right", "NAME", "right camera in it")
       .flag("raw", "the images are raw: rectify them")
       .flag("rectified", "the images are rectified, whatever their topic is called")
+      .flag("stamps", "the stamps stand for the times of recording: for a bag that was converted")
       .optional(
           "lidar-at", "\"X Y Z YAW PITCH ROLL\"",
           "where the LiDAR sits, in place of tf: from the left camera x forward, y left, z up [m], beam along its "
@@ -89,6 +90,7 @@ BagReading readingFrom(const CommandLine& options) {
     throw UsageError("--raw and --rectified contradict each other");
   if (options.given("raw")) reading.images = ImageState::Raw;
   if (options.given("rectified")) reading.images = ImageState::Rectified;
+  reading.by_stamps = options.given("stamps");
   if (options.given("lidar-at")) reading.T_F_L = parseMounting(options.text("lidar-at"));
   return reading;
 }
@@ -125,9 +127,8 @@ bool Replayer::isFresh(const RecordedPair& pair) {
   if (age_warning_.due()) {
     ROS_WARN(
         "stereo pair of %.3f was recorded %.3f s %s its stamp, more than %.3f s (corridor/max_age_s): UNKNOWN, the "
-        "node "
-        "would refuse it as well. Synchronise the cameras' clock with the recorder's; a bag that was converted must "
-        "keep the times of recording, or take the stamps for them",
+        "node would refuse it as well. Synchronise the cameras' clock with the recorder's; where a conversion lost the "
+        "times of recording, --stamps takes the stamps for them",
         pair.header.stamp.toSec(), std::abs(age_s), age_s < 0.0 ? "before" : "after", max_age_s);
   }
   return false;

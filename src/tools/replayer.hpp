@@ -19,8 +19,7 @@ namespace flight_corridor::tools {
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
 /// Declares --left, --left-info, --right, --right-info, --range and --imu, and what a bag does not hold: --calib,
-/// --raw,
-/// --rectified and --lidar-at.
+/// --raw, --rectified, --stamps and --lidar-at.
 void declareBag(CommandLine& options);
 /// @return what is not named is empty.
 StereoTopics topicsFrom(const CommandLine& options);

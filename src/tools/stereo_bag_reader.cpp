@@ -10,7 +10,10 @@
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -26,6 +29,7 @@
 namespace flight_corridor::tools {
 namespace {
 
+using flight_corridor_ros::withoutSlash;
 using sensor_msgs::CameraInfo;
 using sensor_msgs::CompressedImage;
 using sensor_msgs::Image;
@@ -50,6 +54,31 @@ rosbag::MessageInstance first(const rosbag::Bag& bag, const std::string& topic) 
   return *view.begin();
 }
 
+/// Of the header with which every message that is read here begins: seq, stamp, frame_id.
+ros::Time headerStamp(const rosbag::MessageInstance& message) {
+  constexpr std::uint32_t kHeader = 12;
+  if (message.size() < kHeader) return {};
+  std::vector<std::uint8_t> bytes(message.size());
+  ros::serialization::OStream out(bytes.data(), message.size());
+  message.write(out);
+  std::uint32_t seq = 0;
+  ros::Time stamp;
+  ros::serialization::IStream in(bytes.data(), kHeader);
+  in.next(seq);
+  in.next(stamp);
+  return stamp;
+}
+
+/// When a transform's message came at the earliest. Those that never change are known from the start.
+ros::Time newestStamp(const tf2_msgs::TFMessage& message, bool is_static) {
+  ros::Time newest = ros::TIME_MIN;
+  for (const auto& transform : message.transforms) {
+    const ros::Time& stamp = transform.header.stamp;
+    if (!is_static && flight_corridor_ros::isPossible(stamp)) newest = std::max(newest, stamp);
+  }
+  return newest;
+}
+
 }  // namespace
 
 /// Left, right and their infos, put together by the stamps in their headers.
@@ -69,8 +98,8 @@ class StereoBagReader::PairBuilder {
     synchronizer_.registerCallback(&PairBuilder::handOut, this);
   }
 
-  void add(const rosbag::MessageInstance& message) {
-    now_ = message.getTime();
+  void add(const rosbag::MessageInstance& message, const ros::Time& recorded) {
+    now_ = recorded;
     const std::string topic = message.getTopic();
     const auto& cameras = rectification_.cameras;
     if (topic == heard_[0].topic) addImage(message, 0, left_, cameras ? &cameras->left : nullptr, left_info_);
@@ -229,20 +258,49 @@ void StereoBagReader::requireTopic(const std::string& topic, const std::string& 
 
 void StereoBagReader::readTransforms() {
   if (reading_.T_F_L) rectification_.frame = kLeftFrame;
-  const std::vector<std::string> topics{kTransformTopic, kStaticTransformTopic};
+  const std::set<std::string> moving{kTransformTopic, withoutSlash(kTransformTopic)};
+  const std::set<std::string> fixed{kStaticTransformTopic, withoutSlash(kStaticTransformTopic)};
+  std::vector<std::string> topics(moving.begin(), moving.end());
+  topics.insert(topics.end(), fixed.begin(), fixed.end());
   for (const rosbag::MessageInstance& message : rosbag::View(bag_, rosbag::TopicQuery(topics))) {
+    const tf2_msgs::TFMessageConstPtr transforms = read<tf2_msgs::TFMessage>(bag_, message);
+    const bool is_static = fixed.count(message.getTopic()) > 0;
     transforms_.push_back(
-        {message.getTime(), read<tf2_msgs::TFMessage>(bag_, message), message.getTopic() == kStaticTransformTopic});
+        {reading_.by_stamps ? newestStamp(*transforms, is_static) : message.getTime(), transforms, is_static});
   }
+  std::stable_sort(transforms_.begin(), transforms_.end(),
+                   [](const auto& a, const auto& b) { return a.recorded < b.recorded; });
+}
+
+/// In the order of recording, or of the stamps; what has no stamp stays behind what it was recorded behind.
+void StereoBagReader::forEach(const std::vector<std::string>& topics, const OnMessage& on_message) const {
+  rosbag::View view(bag_, rosbag::TopicQuery(topics));
+  if (!reading_.by_stamps) {
+    for (const rosbag::MessageInstance& message : view) on_message(message, message.getTime());
+    return;
+  }
+  std::multimap<std::pair<ros::Time, bool>, rosbag::MessageInstance> messages;  // an image comes after equal readings
+  ros::Time before = ros::TIME_MIN;
+  for (const rosbag::MessageInstance& message : view) {
+    const ros::Time stamp = headerStamp(message);
+    if (!stamp.isZero() && flight_corridor_ros::isPossible(stamp)) before = stamp;
+    const bool is_reading = message.getTopic() == topics_.range || message.getTopic() == topics_.imu;
+    messages.emplace(std::pair(before, !is_reading), message);
+  }
+  for (const auto& [place, message] : messages) on_message(message, place.first);
 }
 
 std::size_t StereoBagReader::leftImages() const { return rosbag::View(bag_, rosbag::TopicQuery(topics_.left)).size(); }
 
 double StereoBagReader::rate() const {
-  rosbag::View view(bag_, rosbag::TopicQuery(topics_.left));
-  if (view.size() < 2 || view.getEndTime() <= view.getBeginTime()) return kNaN;
-  const std::uint64_t duration_ns = view.getEndTime().toNSec() - view.getBeginTime().toNSec();
-  return 1e9 * static_cast<double>(view.size() - 1) / static_cast<double>(duration_ns);
+  ros::Time begin, end;
+  std::size_t images = 0;
+  forEach({topics_.left}, [&](const rosbag::MessageInstance&, const ros::Time& recorded) {
+    if (++images == 1) begin = recorded;
+    end = recorded;
+  });
+  if (end <= begin) return kNaN;
+  return 1e9 * static_cast<double>(images - 1) / static_cast<double>(end.toNSec() - begin.toNSec());
 }
 
 bool StereoBagReader::hasRanges() const { return has(topics_.range); }
@@ -254,8 +312,7 @@ void StereoBagReader::requireImu() const { requireTopic(topics_.imu, typeOf<sens
 /// Of the LiDAR, given by hand.
 geometry_msgs::TransformStamped StereoBagReader::mounting() const {
   geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
-  const std::string frame =
-      flight_corridor_ros::withoutSlash(readAnyImage(bag_, first(bag_, topics_.left))->header.frame_id);
+  const std::string frame = withoutSlash(readAnyImage(bag_, first(bag_, topics_.left))->header.frame_id);
   mounting.header.frame_id = frame.empty() ? kLeftFrame : frame;
   mounting.header.stamp = rosbag::View(bag_).getBeginTime();
   mounting.child_frame_id = kLidarFrame;
@@ -270,8 +327,8 @@ PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration&
   const std::vector<std::string> wanted{topics_.left,       topics_.left_info, topics_.right,
                                         topics_.right_info, topics_.range,     topics_.imu};
   auto next = transforms_.begin();
-  for (const rosbag::MessageInstance& message : rosbag::View(bag_, rosbag::TopicQuery(wanted))) {
-    for (; next != transforms_.end() && next->recorded <= message.getTime() + tf_timeout; ++next) {
+  forEach(wanted, [&](const rosbag::MessageInstance& message, const ros::Time& recorded) {
+    for (; next != transforms_.end() && next->recorded <= recorded + tf_timeout; ++next) {
       for (const auto& transform : next->message->transforms) listener.on_transform(transform, next->is_static);
     }
     if (message.getTopic() == topics_.range) {
@@ -281,9 +338,9 @@ PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration&
     } else if (message.getTopic() == topics_.imu) {
       listener.on_imu(read<sensor_msgs::Imu>(bag_, message));
     } else {
-      builder.add(message);
+      builder.add(message, recorded);
     }
-  }
+  });
   return builder.heard();
 }
 

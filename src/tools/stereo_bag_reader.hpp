@@ -22,7 +22,7 @@ namespace flight_corridor::tools {
 
 using flight_corridor_ros::StereoMessages;
 
-/// A stereo pair, and when the last of its messages was recorded.
+/// A stereo pair, and when the last of its messages was recorded, see BagReading.
 struct RecordedPair : StereoMessages {
   RecordedPair(const StereoMessages& messages, const ros::Time& recorded)
       : StereoMessages(messages), recorded(recorded) {}
@@ -36,6 +36,7 @@ struct BagReading {
   ImageState images = ImageState::AsNamed;
   std::optional<Eigen::Isometry3d> T_F_L = {};  ///< LiDAR in frame F at the left camera: x forward, y left, z up.
   PairNames cameras = {};                       ///< In these files, where they name their cameras.
+  bool by_stamps = false;  ///< The stamps stand for the times of recording, which a conversion may have lost.
 };
 
 /// Reads a bag as the node would hear it. Raw images are rectified.
@@ -78,6 +79,7 @@ class StereoBagReader {
   PairStamps play(const flight_corridor_ros::RosConfig& config, const Listener& listener) const;
 
  private:
+  using OnMessage = std::function<void(const rosbag::MessageInstance& message, const ros::Time& recorded)>;
   struct RecordedTransforms {
     ros::Time recorded;
     tf2_msgs::TFMessageConstPtr message;
@@ -94,6 +96,7 @@ class StereoBagReader {
   class PairBuilder;
 
   bool has(const std::string& topic) const;
+  void forEach(const std::vector<std::string>& topics, const OnMessage& on_message) const;
   void readCalibrationFiles();
   void readCameraInfos();
   geometry_msgs::TransformStamped mounting() const;

@@ -1,6 +1,8 @@
 #include "tools/topic_finder.hpp"
 
 #include <rosbag/view.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/image_encodings.h>
 
 #include <algorithm>
 #include <array>
@@ -31,14 +33,29 @@ bool endsWith(const std::string& text, const std::string& end) {
 
 bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
+/// Whether an image is called depth or disparity, or its folder is: above these a word names the rig.
+bool isNamedDepth(const std::string& topic) {
+  const std::size_t own = topic.rfind('/');
+  const std::size_t folder = own == 0 || own == std::string::npos ? own : topic.rfind('/', own - 1);
+  std::string name = folder == std::string::npos ? topic : topic.substr(folder);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return contains(name, "depth") || contains(name, "disparity");
+}
+
+/// Whether no camera sends such images.
+bool holdsDepth(const rosbag::Bag& bag, const std::string& topic) {
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  if (view.size() == 0 || !view.begin()->isType<sensor_msgs::Image>()) return false;
+  const std::string encoding = read<sensor_msgs::Image>(bag, *view.begin())->encoding;
+  return encoding == sensor_msgs::image_encodings::TYPE_16UC1 || encoding == sensor_msgs::image_encodings::TYPE_32FC1;
+}
+
 /// Names of image topics, without what names their compression.
-std::set<std::string> imageTopics(const Types& types) {
+std::set<std::string> imageTopics(const rosbag::Bag& bag, const Types& types) {
   std::set<std::string> images;
   for (const auto& [topic, type] : types) {
     if (type != "sensor_msgs/Image" && type != "sensor_msgs/CompressedImage") continue;
-    std::string name = topic;
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (contains(name, "depth") || contains(name, "disparity")) continue;
+    if (endsWith(topic, "/compressedDepth") || holdsDepth(bag, topic)) continue;
     const bool is_suffixed = type == "sensor_msgs/CompressedImage" && endsWith(topic, kCompressed);
     images.insert(is_suffixed ? topic.substr(0, topic.size() - sizeof(kCompressed) + 1) : topic);
   }
@@ -74,8 +91,11 @@ std::vector<std::string> partnersOf(const std::string& left) {
   return partners;
 }
 
+constexpr int kWorst = 4;  // of rank()
+
 /// The smaller, the better it serves.
 int rank(const Pair& pair) {
+  if (isNamedDepth(pair.first)) return kWorst;
   const bool is_rectified = isNamedRectified(pair.first), is_colour = contains(pair.first, "color");
   if (is_rectified) return is_colour ? 1 : 0;
   return contains(pair.first, "raw") && !is_colour ? 2 : 3;
@@ -84,7 +104,7 @@ int rank(const Pair& pair) {
 /// @param left, right what is named; empty: any.
 std::vector<Pair> findPairs(const std::set<std::string>& images, const std::string& left, const std::string& right) {
   std::set<Pair> pairs;
-  int best = 3;
+  int best = kWorst;
   for (const std::string& image : images) {
     for (const std::string& partner : partnersOf(image)) {
       const Pair pair{image, partner};
@@ -101,7 +121,7 @@ std::vector<Pair> findPairs(const std::set<std::string>& images, const std::stri
 
 void findImages(const rosbag::Bag& bag, const Types& types, StereoTopics& topics) {
   if (!topics.left.empty() && !topics.right.empty()) return;
-  const std::set<std::string> images = imageTopics(types);
+  const std::set<std::string> images = imageTopics(bag, types);
   const bool are_usual =
       topics.left.empty() && topics.right.empty() && images.count(kUsual.left) > 0 && images.count(kUsual.right) > 0;
   if (are_usual) {

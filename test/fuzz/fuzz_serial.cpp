@@ -44,7 +44,8 @@ void checkCounts(const RangeParser& parser, std::size_t size, std::size_t readin
 
 void check(Protocol protocol, std::uint8_t piece, const std::uint8_t* data, std::size_t size) {
   const RangeLimits limits = limitsOf(protocol);
-  RangeParser whole(protocol, limits, kByte_s), pieces(protocol, limits, kByte_s);
+  const double unit_m = unitsOf(protocol).back().metres;
+  RangeParser whole(protocol, limits, kByte_s, unit_m), pieces(protocol, limits, kByte_s, unit_m);
   std::vector<WireReading> readings, pieces_readings;
   whole.feed(data, size, kStart_s, readings);
   double now_s = kStart_s;

@@ -51,8 +51,8 @@ class WallBagTest : public testing::Test {
     bag.close();
   }
 
-  std::vector<Report> replay() const {
-    const tools::StereoBagReader bag(path(), {});
+  std::vector<Report> replay(const tools::BagReading& reading = {}) const {
+    const tools::StereoBagReader bag(path(), {}, reading);
     std::vector<Report> reports;
     tools::Replayer(bag, config).run([&](const tools::Answer& answer) { reports.push_back(answer.report); });
     return reports;
