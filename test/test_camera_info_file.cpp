@@ -63,11 +63,11 @@ TEST_F(CameraInfoFile, NamesAMissingFileAndOneThatHoldsNoMap) {
 TEST_F(CameraInfoFile, NamesEveryKeyThatIsMissingOrWrong) {
   EXPECT_TRUE(contains(complaintAboutCalibration(write("image_width", "width")), "image_width"));
   EXPECT_TRUE(contains(complaintAboutCalibration(write("image_height: 480", "image_height: tall")), "image_height"));
-  EXPECT_TRUE(contains(complaintAboutCalibration(write("458.654, ", "")), "camera_matrix (8 numbers, must be 9)"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(write("458.654, ", "")), "camera_matrix: 8 numbers, must be 9"));
   sensor_msgs::CameraInfo info = readCameraInfo(kEuroc + "left.yaml");
   info.R.fill(0.0);
   std::ofstream(path()) << flight_corridor::test_support::rosYaml(info);
-  EXPECT_TRUE(contains(complaintAboutCalibration(path()), "rectification_matrix (all 0"));
+  EXPECT_TRUE(contains(complaintAboutCalibration(path()), "rectification_matrix is all 0"));
   std::ofstream(path()) << "image_width: 752\n";
   const std::string complaint = complaintAboutCalibration(path());
   for (const char* key : {"image_height", "distortion_model", "distortion_coefficients", "camera_matrix",

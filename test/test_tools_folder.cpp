@@ -142,6 +142,22 @@ TEST_F(FolderTest, NamesAMissingKeyOfTheCalibration) {
   EXPECT_EQ(error().find(folder.path("calib.yaml") + ": missing: doffs [px]. "), 0u) << error();
 }
 
+TEST_F(FolderTest, OfAChainTheNamedCamerasAreTaken) {
+  std::string chain;
+  for (int i = 0; i < 3; ++i) {
+    chain += "cam" + std::to_string(i) + ":\n  camera_model: pinhole\n  distortion_model: none\n" +
+             "  intrinsics: [10, 10, 4, 3]\n  resolution: [8, 6]\n  T_cn_cnm1: [[1, 0, 0, -0." + std::to_string(i) +
+             "], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n";
+  }
+  write("calib.yaml", chain);
+  const FolderReading reading{10.0, {}, ImageState::AsNamed, {"cam1", "cam2"}};
+  EXPECT_NEAR(readFolder(root(), reading).rig.calibration.baseline_m, 0.2, 1e-6);
+  EXPECT_EQ(readFolder(root(), reading).calibration.find("calibration: left cam1 plumb_bob of 4 coefficients, "), 0u);
+  EXPECT_NE(error().find("which of its cameras are left and right is not known: cam0, cam1, cam2. Name them: --calib-"),
+            std::string::npos)
+      << error();
+}
+
 TEST_F(FolderTest, RefusesAZeroBaseline) {
   write("calib.yaml", "fx: 10\nfy: 10\ncx: 4\ncy: 3\nbaseline: 0\ndoffs: 0\n");
   EXPECT_EQ(error().find(folder.path("calib.yaml") + ": "), 0u) << error();

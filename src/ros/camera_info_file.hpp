@@ -6,8 +6,11 @@
 
 namespace flight_corridor_ros {
 
-/// The calibration in a file of camera_calibration (YAML), without a header.
-/// @throws std::invalid_argument naming the file and every key that is missing or does not hold what it should.
+/// A file of camera_calibration (YAML), or a CameraInfo as rostopic echo prints it, without a header.
+/// @throws std::invalid_argument naming every key that is missing or does not hold what it should.
+sensor_msgs::CameraInfo parseCameraInfo(const std::string& text);
+/// By which raw images are to be rectified.
+/// @throws std::invalid_argument as parseCameraInfo, naming the file, also where R is all 0.
 sensor_msgs::CameraInfo readCameraInfo(const std::string& path);
 
 }  // namespace flight_corridor_ros

@@ -10,6 +10,7 @@
 #include <opencv2/core/persistence.hpp>
 #include <stdexcept>
 
+#include "ros/camera_info_file.hpp"
 #include "tools/calibration_file.hpp"
 #include "tools/camera_chain.hpp"
 
@@ -44,10 +45,13 @@ std::string yamlOf(const std::string& xml) try {
 }
 
 /// OpenCV begins its files with "%YAML:1.0", which is no YAML.
-YAML::Node load(std::string text) {
-  if (text.rfind("<?xml", 0) == 0) text = yamlOf(text);
+std::string withoutVersion(std::string text) {
   if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
-  YAML::Node yaml = YAML::Load(text);
+  return text;
+}
+
+YAML::Node load(const std::string& text) {
+  YAML::Node yaml = YAML::Load(withoutVersion(text.rfind("<?xml", 0) == 0 ? yamlOf(text) : text));
   if (!yaml.IsMap()) fail("holds no keys");
   return yaml;
 }
@@ -175,24 +179,6 @@ void requireTwo(const CalibrationTexts& texts) {
   if (texts.size() != 2) fail("holds one camera: give both files, left and right");
 }
 
-CameraInfo readRosCamera(const YAML::Node& yaml) {
-  const bool is_message = !yaml["camera_matrix"];
-  const auto key = [&](const char* of_message, const char* of_file) { return is_message ? of_message : of_file; };
-  CameraInfo camera;
-  const auto copy = [&](const char* name, auto& to) {
-    const Numbers numbers = numbersAt(yaml, name, to.size());
-    std::copy(numbers.begin(), numbers.end(), to.begin());
-  };
-  copy(key("K", "camera_matrix"), camera.K);
-  copy(key("R", "rectification_matrix"), camera.R);
-  copy(key("P", "projection_matrix"), camera.P);
-  camera.D = numbersAt(yaml, key("D", "distortion_coefficients"), 0);
-  camera.distortion_model = textAt(yaml, "distortion_model");
-  setSize(camera, Numbers{numbersAt(yaml, key("width", "image_width"), 1)[0],
-                          numbersAt(yaml, key("height", "image_height"), 1)[0]});
-  return camera;
-}
-
 /// One of several names for the same in OpenCV's files. @return "" when none is there.
 std::string findKey(const YAML::Node& yaml, const std::vector<std::string>& names) {
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& name) { return bool(yaml[name]); });
@@ -282,7 +268,8 @@ StereoCameras readEuroc(const CalibrationTexts& texts, const ImageFormat&) {
 
 StereoCameras readRos(const CalibrationTexts& texts, const ImageFormat&) {
   requireTwo(texts);
-  return {readRosCamera(load(texts[0])), readRosCamera(load(texts[1]))};
+  using flight_corridor_ros::parseCameraInfo;
+  return {parseCameraInfo(withoutVersion(texts[0])), parseCameraInfo(withoutVersion(texts[1]))};
 }
 
 StereoCameras readOpenCv(const CalibrationTexts& texts, const ImageFormat& images) {

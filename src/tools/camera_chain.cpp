@@ -62,7 +62,9 @@ PairNames choosePair(const std::vector<NamedCamera>& cameras, const PairNames& n
     if (pair.right.empty()) pair.right = other(pair.left);
   }
   if (!pair.left.empty() && !pair.right.empty() && pair.left != pair.right) return pair;
-  throw std::runtime_error("which of its cameras are left " + topics.left + " and right " + topics.right +
+  const bool have_topics = !topics.left.empty() || !topics.right.empty();
+  throw std::runtime_error("which of its cameras are left and right" +
+                           (have_topics ? " (" + topics.left + ", " + topics.right + ")" : "") +
                            " is not known: " + listed(cameras) + ". Name them: --calib-left NAME --calib-right NAME");
 }
 

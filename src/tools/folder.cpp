@@ -233,7 +233,7 @@ void readCameras(const std::vector<std::string>& calibration_files, const Folder
   const bool are_raw = areRaw(reading.images, "", cameras);
   recording.calibration = describe(cameras, are_raw);
   if (are_raw) recording.rectifier = std::make_shared<const Rectifier>(cameras);
-  if (!are_raw && cameras.is_rectification_computed) {
+  if (!are_raw && cameras.is_rectification_computed && !areRectified(cameras)) {
     fail(calibration_files.front(),
          "is of raw images only, not how these were rectified: leave out --rectified where they are raw");
   }

@@ -198,7 +198,7 @@ void StereoBagReader::readCalibrationFiles() {
   const StereoCameras cameras =
       readCalibration(reading_.calibration_files, {size, is_colour, {topics_.left, topics_.right}, reading_.cameras});
   rectification_.is_raw = areRaw(reading_.images, topics_.left, cameras);
-  if (!rectification_.is_raw && cameras.is_rectification_computed) {
+  if (!rectification_.is_raw && cameras.is_rectification_computed && !areRectified(cameras)) {
     throw std::runtime_error(reading_.calibration_files.front() + ": is of raw images only, not how those of " +
                              topics_.left + " were rectified; if they are raw: --raw");
   }

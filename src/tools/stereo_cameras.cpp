@@ -159,7 +159,7 @@ std::string describe(const StereoCameras& cameras, bool are_raw) {
   const CameraInfo &left = cameras.left, &right = cameras.right;
   std::ostringstream text;
   text << "calibration: ";
-  if (are_raw) {
+  if (are_raw || !cameras.names.left.empty()) {
     text << "left" << describeLens(left, cameras.names.left) << "; right" << describeLens(right, cameras.names.right)
          << "; rectified ";
   }

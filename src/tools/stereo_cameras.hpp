@@ -45,7 +45,7 @@ StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left
 /// Whether it is a rotation, but for the rounding of one typed by hand.
 bool isRotation(const Eigen::Matrix3d& R);
 
-/// One line for people: focal length and baseline; of raw images the lens models that they are rectified by, with a
+/// One line for people: focal length and baseline; of raw images, and of cameras with names, the lens models, with a
 /// warning where one is likely another.
 std::string describe(const StereoCameras& cameras, bool are_raw);
 
