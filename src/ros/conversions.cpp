@@ -8,7 +8,6 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
-#include <utility>
 
 #include "flight_corridor/stereo/matching_rules.hpp"
 #include "flight_corridor/view/overlay.hpp"
@@ -55,23 +54,46 @@ bool isFullImage(const sensor_msgs::CameraInfo& info) {
   return !offset && !cropped && info.binning_x <= 1 && info.binning_y <= 1;
 }
 
-/// cv_bridge takes big-endian images for wider ones of 8 bits.
-sensor_msgs::ImageConstPtr littleEndian(const sensor_msgs::ImageConstPtr& message) {
-  if (!message->is_bigendian) return message;
-  const auto swapped = boost::make_shared<sensor_msgs::Image>(*message);
-  for (std::size_t i = 1; i < swapped->data.size(); i += 2) std::swap(swapped->data[i - 1], swapped->data[i]);
-  swapped->is_bigendian = false;
-  return swapped;
-}
-
 /// Values of 10 or 12 bits in the low end of 16 would be darkness.
-void requireSixteenBits(const cv_bridge::CvImage& image) {
+/// @param upper, lower bytes of them.
+void requireSixteenBits(const cv::Mat& upper, const cv::Mat& lower) {
   double brightest = 0.0;
-  cv::minMaxIdx(image.image.reshape(1), nullptr, &brightest);
-  if (brightest >= kLeastBrightest) return;
+  cv::minMaxIdx(upper, nullptr, &brightest);
+  if (256.0 * brightest >= kLeastBrightest) return;
+  cv::Mat values;
+  upper.convertTo(values, CV_16U, 256.0);
+  cv::add(values, lower, values, cv::noArray(), CV_16U);
+  cv::minMaxIdx(values, nullptr, &brightest);
   throw std::invalid_argument("its brightest pixel is " + std::to_string(static_cast<int>(brightest)) +
                               " of 65535, below " + std::to_string(kLeastBrightest) +
                               ": values of 10 or 12 bits? Shift them up, or send mono8");
+}
+
+/// Of 16 bits the upper 8, so that a mosaic, too, is read as one of 8 bits.
+cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
+  const int channels = sensor_msgs::image_encodings::numChannels(message.encoding);
+  const std::size_t row = std::size_t{2} * static_cast<std::size_t>(channels) * message.width;
+  if (message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
+    throw std::invalid_argument("it has fewer bytes than width and height announce");
+  }
+  const cv::Mat bytes(static_cast<int>(message.height), channels * static_cast<int>(message.width), CV_8UC2,
+                      const_cast<std::uint8_t*>(message.data.data()), message.step);
+  const auto upper = boost::make_shared<cv_bridge::CvImage>();
+  upper->header = message.header;
+  upper->encoding = message.encoding.substr(0, message.encoding.size() - 2) + "8";  // mono16, bayer_rggb16, bgr16, ...
+  cv::Mat lower;
+  cv::extractChannel(bytes, upper->image, message.is_bigendian ? 0 : 1);
+  cv::extractChannel(bytes, lower, message.is_bigendian ? 1 : 0);
+  requireSixteenBits(upper->image, lower);
+  upper->image = upper->image.reshape(channels);
+  return upper;
+}
+
+bool hasSixteenBits(const std::string& encoding) {
+  const bool is_colour = sensor_msgs::image_encodings::isColor(encoding);
+  return sensor_msgs::image_encodings::bitDepth(encoding) == 16 &&
+         (is_colour || sensor_msgs::image_encodings::isMono(encoding) ||
+          sensor_msgs::image_encodings::isBayer(encoding));
 }
 
 }  // namespace
@@ -100,11 +122,7 @@ flight_corridor::RangeReading toReading(const sensor_msgs::Range& message) {
 
 cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) try {
   namespace encodings = sensor_msgs::image_encodings;
-  if (encodings::bitDepth(message->encoding) == 16) {
-    const cv_bridge::CvImageConstPtr deep = cv_bridge::toCvShare(littleEndian(message));
-    requireSixteenBits(*deep);
-    return cv_bridge::cvtColor(deep, encodings::MONO8);
-  }
+  if (hasSixteenBits(message->encoding)) return cv_bridge::cvtColor(upperBytes(*message), encodings::MONO8);
   // 8UC1 is grey without saying so; cv_bridge does not convert it.
   const bool is_grey = message->encoding == encodings::TYPE_8UC1;
   return cv_bridge::toCvShare(message, is_grey ? message->encoding : encodings::MONO8);
