@@ -155,6 +155,14 @@ TEST_F(ClearRaysTest, ARepeatedMatchClearsUpToItsNearestPlace) {
   }
 }
 
+TEST_F(ClearRaysTest, ARepeatedMatchWithoutCompetitorsClearsUpToItself) {
+  repeat(0, kColumns, 10.0, 60.0);
+  evidence_.flags.setTo(kConsistent | kDistinct);
+  look();
+  EXPECT_TRUE(isLeftClear(160, 10.0 + kNoise_px)) << "what the maps of competitors hold there says nothing";
+  EXPECT_FALSE(isLeftClear(160, 10.0 - kNoise_px));
+}
+
 TEST_F(ClearRaysTest, ThePrincipalPointsDifferenceIsPartOfTheShift) {
   StereoCalibration calibration = smallCalibration();
   calibration.cx_right_px -= 7.0;

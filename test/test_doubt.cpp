@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "flight_corridor/corridor/doubt.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
@@ -173,6 +174,32 @@ TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
   EXPECT_TRUE(isIn(evidence, ScaleCorrection(ScaleConfig()), false, kCorridor, 0.0));
+}
+
+TEST(Doubt, OfADirectionThatIsNotAskedNothingIsKnown) {
+  DisparityEvidence evidence = certainWall();
+  repeat({kMiddle, cv::Size(20, 20)}, kInTheBox_px - 1, evidence);
+  Doubt doubt(kSmallGeometry);
+  const ScaleCorrection correction((ScaleConfig()));
+  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, correction, {{true}, {false}}, kSmallest_m);
+  EXPECT_TRUE(doubt.isIn(0));
+  EXPECT_FALSE(doubt.isIn(1));
+}
+
+TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
+  DisparityEvidence evidence = certainWall();
+  const cv::Rect patch = smallest();
+  addToSet(patch, kInTheBox_px, evidence);
+  const std::vector<double> yaws_rad = {-0.4, -0.2, 0.0, 0.2, 0.4}, pitches_rad = {-0.1, 0.0, 0.1};
+  const Fan fan(kCorridor, yaws_rad, pitches_rad);
+  const ScaleCorrection correction((ScaleConfig()));
+  Doubt doubt(kSmallGeometry);
+  for (int run = 0; run < 2; ++run) {  // the first leaves nothing behind
+    doubt.find(fan, kBlind_m, evidence, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m);
+    for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, false, fan.box(i))) << i;
+  }
+  EXPECT_TRUE(doubt.isIn(7)) << "straight ahead";
+  EXPECT_FALSE(doubt.isIn(0));
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {

@@ -27,9 +27,9 @@ TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {
 }
 
 TEST(FreeAreas, ADirectionLooksToItsYawAndPitch) {
-  EXPECT_TRUE(ahead({0.0, 0.0, {}}).isApprox(kAhead));
-  EXPECT_GT(ahead({0.2, 0.0, {}}).y(), 0.1) << "left";
-  EXPECT_GT(ahead({0.0, 0.2, {}}).z(), 0.1) << "up";
+  EXPECT_TRUE(ahead(FreeArea{0.0, 0.0, {}}).isApprox(kAhead));
+  EXPECT_GT(ahead(FreeArea{0.2, 0.0, {}}).y(), 0.1) << "left";
+  EXPECT_GT(ahead(FreeArea{0.0, 0.2, {}}).z(), 0.1) << "up";
 }
 
 TEST(FreeAreas, TheBestIsTheFreeOneNearestToTheGoal) {

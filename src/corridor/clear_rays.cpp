@@ -7,6 +7,7 @@
 
 #include "flight_corridor/stereo/match_error.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
+#include "flight_corridor/stereo/semi_global_matcher.hpp"
 
 namespace flight_corridor {
 
@@ -40,7 +41,7 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
                           const ScaleCorrection& correction) {
   const int width = met_left_px_.cols;
   const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
-  const std::uint8_t* competitor = evidence.competitor_nearest.ptr(v);
+  const std::uint8_t *competitor = evidence.competitor_nearest.ptr(v), *flags = evidence.flags.ptr(v);
   auto *left = met_left_px_.ptr<float>(v), *right = met_right_px_.ptr<float>(v);
   std::fill_n(right, width, -kUnknown_px);
   for (int u = 0; u < width; ++u) {
@@ -48,7 +49,8 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
     const bool is_repeated = std::isnan(best[u]);
     const float match_px = is_repeated ? repeated[u] : best[u];
     if (std::isnan(match_px)) continue;
-    const float nearest_px = is_repeated ? std::max(match_px, static_cast<float>(competitor[u] + first_px_)) : match_px;
+    const bool has_nearer = is_repeated && (flags[u] & kCompetitor) != 0;
+    const float nearest_px = has_nearer ? std::max(match_px, static_cast<float>(competitor[u] + first_px_)) : match_px;
     const float met_px = textured[u]
                              ? static_cast<float>(correction.correct(nearest_px)) + static_cast<float>(kMatchNoise_px)
                              : kUnknown_px;

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
-#include "flight_corridor/disjoint_sets.hpp"
+#include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
@@ -16,67 +15,48 @@ namespace {
 
 constexpr double kInside_px = 0.5;        // so much nearer than the box's end a whole disparity is surely in it
 constexpr double kMostOfObstacle = 0.75;  // its edges are matched on what is behind
-constexpr std::size_t kEnough = 4;        // candidates for each pixel of the image: doubt enough
-constexpr double kSurelyLess = 0.5;       // of the smallest obstacle: by half of the pixels it is none
-constexpr double kSurelyMore = 4.0;       // ... it is one
-constexpr int kShared = 16;               // ... but of several boxes each has no more than this part
+
+/// Words of so many bits.
+int wordsOf(int bits) { return (bits + 63) / 64; }
 
 }  // namespace
 
 /// A pixel whose match may not be the only one.
 struct Doubt::Pixel {
-  /// One of its other disparities.
-  struct Alternative {
-    int place;
-    Eigen::Vector3f point_F;  // a little behind it
-    bool is_competitor;       // ... and not in the set
-  };
+  int at;
+  const std::uint64_t* set;
+  double match_px;  // corrected
+  bool is_repeated, has_competitor;
+  int farthest, nearest;  // places of competitors
 
-  int at = 0;
-  Eigen::Vector3d ray_C;
-  double match_px = 0.0;    // corrected
-  Eigen::Vector3f match_F;  // where that is
-  bool is_repeated = false, has_competitor = false;
-  int farthest = 0, nearest = 0;  // places of competitors
-  std::vector<Alternative> alternatives;
+  bool isInSet(int place) const { return set[place / 64] >> place % 64 & 1u; }
 };
 
 Doubt::Doubt(const StereoGeometry& geometry)
     : geometry_(geometry),
       first_px_(firstDisparity(geometry)),
-      labels_(static_cast<std::size_t>(geometry.size().area()), -1) {}
+      matches_px_(static_cast<std::size_t>(geometry.size().area())),
+      direction_(static_cast<std::size_t>(geometry.size().height * wordsOf(geometry.size().width))) {}
 
+/// A patch in a direction's box is a part of one of all pixels that may be in any box: where none of these is large
+/// enough, no direction is looked into.
 void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                  const std::vector<Question>& questions, double smallest_m) {
   const double smallest_m2 = smallest_m * smallest_m;
-  prepare(fan, from_m, evidence, correction);
-  std::vector<Question> open = questions;
-  if (fan.size() > 1) {  // most are decided by every second pixel
-    looks_at_half_ = true;
-    collect(fan, evidence, correction, open);
-    for (int i = 0; i < fan.size(); ++i) {
-      Direction& direction = directions_[i];
-      const bool may_be = open[i].is_open && isDoubtful(direction, kSurelyLess * smallest_m2);
-      const bool must_be = may_be && isDoubtful(direction, kSurelyMore * smallest_m2);
-      open[i].is_open = may_be && !must_be;
-      direction.clear();
-      direction.is_doubtful = must_be;
-    }
-  }
-  looks_at_half_ = false;
-  const bool is_any_open = std::any_of(open.begin(), open.end(), [](const Question& one) { return one.is_open; });
-  if (is_any_open) collect(fan, evidence, correction, open);
-  for (int i = 0; i < fan.size(); ++i) {
-    if (open[i].is_open) directions_[i].is_doubtful = isDoubtful(directions_[i], smallest_m2);
+  prepare(fan, from_m, evidence, correction, questions);
+  findViews();
+  collect(correction);
+  for (Direction& one : directions_) one.is_doubtful = one.is_open && holdsRepeated(one, smallest_m2);
+  const auto is_asked = [](const Direction& direction) { return direction.isAsked(); };
+  for (int place = begin_place_; place < end_place_; ++place) {
+    if (std::any_of(directions_.begin(), directions_.end(), is_asked)) lookAt(place, smallest_m2);
   }
 }
 
-bool Doubt::isDoubtful(const Direction& direction, double smallest_m2) {
-  return direction.is_doubtful || holdsRepeated(direction, smallest_m2) || holdsPatch(direction, smallest_m2);
-}
-
-void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evidence,
-                    const ScaleCorrection& correction) {
+void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+                    const std::vector<Question>& questions) {
+  fan_ = fan;
+  evidence_ = evidence;
   from_px_ = from_m > 0.0 ? geometry_.disparity(from_m) : kInfinity;
   const double end_m = fan.farthestCorner();
   end_px_ = end_m > 0.0 ? geometry_.disparity(end_m) : kInfinity;
@@ -85,167 +65,214 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
     const double disparity_px = correction.correct(static_cast<double>(place) + first_px_);
     corrected_px_[place] = disparity_px > 0.0 ? disparity_px : 0.0;
   }
+  const auto placeFrom = [&](double disparity_px) {
+    return static_cast<int>(std::lower_bound(corrected_px_.begin(), corrected_px_.end(), disparity_px) -
+                            corrected_px_.begin());
+  };
+  begin_place_ = placeFrom(end_px_ + kInside_px);
+  end_place_ = std::max(begin_place_, placeFrom(from_px_));
   directions_.resize(fan.size());
+  for (Slabs& slabs : slabs_) {
+    slabs.normals_C.resize(fan.size(), 3);
+    slabs.low_m.resize(fan.size());
+    slabs.high_m.resize(fan.size());
+  }
   for (int i = 0; i < fan.size(); ++i) {
     Direction& direction = directions_[i];
-    direction.T_D_C = fan.box(i).T_M_F.inverse();
-    direction.size_m = fan.box().size_m;
-    direction.repeated_m2.resize(corrected_px_.size());
-    direction.clear();
+    const Eigen::Isometry3d T_D_C = fan.box(i).T_M_F.inverse();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double size_m = fan.box().size_m[axis], low_m = axis == 0 ? 0.0 : -0.5 * size_m;
+      slabs_[axis].normals_C.row(i) = T_D_C.linear().row(axis);
+      slabs_[axis].low_m[i] = low_m - T_D_C.translation()[axis];
+      slabs_[axis].high_m[i] = low_m + size_m - T_D_C.translation()[axis];
+    }
+    direction.is_doubtful = false;
+    direction.is_open = questions[i].is_open;
+    direction.is_lidar_valid = questions[i].is_lidar_valid;
+    direction.repeated_m2.assign(corrected_px_.size(), 0.0);
+  }
+}
+
+/// Where the boxes are in the image, a place.
+void Doubt::findViews() {
+  views_.assign(corrected_px_.size(), {});
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    const Box box_C = fan_.box(static_cast<int>(i));
+    for (int place = begin_place_; place < end_place_ && directions_[i].is_open; ++place) {
+      views_[place] |= sectionAt(box_C, geometry_.depth(corrected_px_[place] - kInside_px), geometry_).view;
+    }
+  }
+}
+
+/// Of a row of the image at a place, in bits_.
+std::ptrdiff_t Doubt::begin(int v, int place) const {
+  const int words = wordsOf(geometry_.size().width), places = end_place_ - begin_place_;
+  return static_cast<std::ptrdiff_t>(v * places + place - begin_place_) * words;
+}
+
+void Doubt::set(int place, int at) {
+  const int width = geometry_.size().width, u = at % width;
+  bits_[begin(at / width, place) + u / 64] |= std::uint64_t{1} << u % 64;
+}
+
+Doubt::Pixel Doubt::pixel(int at) const {
+  const int words = evidence_.set.channels() / 8;
+  return {at,
+          evidence_.set.ptr<std::uint64_t>() + static_cast<std::size_t>(at) * words,
+          matches_px_[at],
+          !std::isnan(evidence_.repeated_px.ptr<float>()[at]),
+          (evidence_.flags.data[at] & kCompetitor) != 0,
+          evidence_.competitor_farthest.data[at],
+          evidence_.competitor_nearest.data[at]};
+}
+
+Eigen::Vector3f Doubt::point(const Pixel& pixel, double disparity_px) const {
+  const int width = geometry_.size().width;
+  const Eigen::Vector3d ray_C = geometry_.point(pixel.at % width, pixel.at / width, 1.0);
+  return fan_.T_F_C() * (geometry_.depth(disparity_px) * ray_C).cast<float>();
+}
+
+/// Where a pixel's ray is in all boxes.
+void Doubt::cross(const Pixel& pixel) {
+  const int width = geometry_.size().width;
+  const Eigen::Vector3d ray_C = geometry_.point(pixel.at % width, pixel.at / width, 1.0);
+  entries_.setConstant(directions_.size(), -kInfinity);
+  exits_.setConstant(directions_.size(), kInfinity);
+  for (const Slabs& slabs : slabs_) {
+    per_m_ = (slabs.normals_C * ray_C).array().inverse();
+    entries_ = entries_.max((slabs.low_m * per_m_).min(slabs.high_m * per_m_));
+    exits_ = exits_.min((slabs.low_m * per_m_).max(slabs.high_m * per_m_));
+  }
+}
+
+/// Of competitors on both sides of a box one between, of which nothing is known, may be in it: at the farthest place.
+/// Calls visit(direction, place).
+template <class Visit>
+void Doubt::visitSurrounded(const Pixel& pixel, Visit&& visit) {
+  const bool is_one = directions_.size() == 1;
+  if (!pixel.has_competitor || !(is_one || corrected_px_[pixel.nearest] >= from_px_)) return;
+  if (pixel.nearest <= begin_place_ || pixel.farthest >= end_place_) return;
+  cross(pixel);
+  for (int i = 0; i < static_cast<int>(directions_.size()); ++i) {
+    const Crossing crossing{entries_[i], exits_[i]};
+    if (!directions_[i].isAsked() || !crossing.meets()) continue;
+    const double exit_px = geometry_.disparity(crossing.exit);
+    if (corrected_px_[pixel.farthest] >= exit_px + kInside_px) continue;
+    const double entry_px = crossing.entry > 0.0 ? std::min(from_px_, geometry_.disparity(crossing.entry)) : from_px_;
+    if (corrected_px_[pixel.nearest] < entry_px || (!pixel.is_repeated && !(pixel.match_px < exit_px))) continue;
+    if (directions_[i].is_lidar_valid && !isMatchIn(i, pixel)) continue;
+    const auto begin = corrected_px_.begin(), end = begin + end_place_;
+    const auto first = std::lower_bound(begin + begin_place_, end, exit_px + kInside_px);
+    if (first != end && *first < entry_px) visit(i, static_cast<int>(first - begin));
   }
 }
 
 /// Of pixels that are matched behind a box, and of repeated matches in it: what else is matched in it is for
 /// BoxPatches.
-void Doubt::collect(const Fan& fan, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                    const std::vector<Question>& questions) {
-  const float *best_px = evidence.best_px.ptr<float>(), *repeated_px = evidence.repeated_px.ptr<float>();
-  const int width = geometry_.size().width, pixels = geometry_.size().area(), words = evidence.set.channels() / 8;
-  const std::size_t enough = kEnough * pixels / std::min(fan.size(), kShared);
-  Pixel pixel;
-  for (int i = 0; i < pixels; ++i) {
-    if (looks_at_half_ && (i % width + i / width) % 2 != 0) continue;
-    pixel.is_repeated = !std::isnan(repeated_px[i]);
-    pixel.match_px = correction.correct(pixel.is_repeated ? repeated_px[i] : best_px[i]);
-    if (std::isnan(pixel.match_px)) continue;
-    const auto* set = evidence.set.ptr<std::uint64_t>() + static_cast<std::size_t>(i) * words;
-    pixel.has_competitor = (evidence.flags.data[i] & kCompetitor) != 0;
-    pixel.farthest = evidence.competitor_farthest.data[i];
-    pixel.nearest = evidence.competitor_nearest.data[i];
-    const int last = std::max(lastBit(set, words), pixel.has_competitor ? pixel.nearest : -1);
-    const double behind_px = pixel.is_repeated ? end_px_ : std::max(end_px_, pixel.match_px);
-    if (last < 0 || corrected_px_[last] < behind_px + kInside_px) continue;
-    pixel.at = i;
-    pixel.ray_C = geometry_.point(i % width, i / width, 1.0);
-    const auto point = [&](double disparity_px) -> Eigen::Vector3f {
-      return fan.T_F_C() * (geometry_.depth(disparity_px) * pixel.ray_C).cast<float>();
-    };
-    pixel.match_F = point(pixel.match_px);
-    pixel.alternatives.clear();
-    const auto add_alternative = [&](int place, bool is_competitor) {
-      if (corrected_px_[place] < behind_px + kInside_px || corrected_px_[place] >= from_px_) return;
-      pixel.alternatives.push_back({place, point(corrected_px_[place] - kInside_px), is_competitor});
-    };
-    for (int word = 0; word < words; ++word) {
-      for (std::uint64_t bits = set[word]; bits != 0; bits &= bits - 1) {
-        add_alternative(64 * word + lowestBit(bits), false);
-      }
+void Doubt::collect(const ScaleCorrection& correction) {
+  bits_.assign(static_cast<std::size_t>(end_place_ - begin_place_) * direction_.size(), 0);
+  for (int v = 0; v < geometry_.size().height; ++v) {
+    cv::Rect view;
+    int first_place = end_place_;
+    for (int place = end_place_ - 1; place >= begin_place_; --place) {
+      if (v < views_[place].y || v >= views_[place].br().y) continue;
+      view |= views_[place];
+      first_place = place;
     }
-    const auto add_competitor = [&](int place) {
-      if (!(set[place / 64] >> place % 64 & 1u)) add_alternative(place, true);
-    };
-    if (pixel.has_competitor) add_competitor(pixel.farthest);
-    if (pixel.has_competitor && pixel.nearest != pixel.farthest) add_competitor(pixel.nearest);
-    const auto look = [&](int direction) {
-      Direction& box = directions_[direction];
-      if (!questions[direction].is_open || box.is_doubtful || std::exchange(box.looked_at, i) == i) return;
-      add(fan, direction, pixel, questions[direction].is_lidar_valid);
-      box.is_doubtful = box.candidates.size() >= enough;
-    };
-    if (fan.size() == 1) {
-      look(0);
-    } else {
-      const auto look_into_all = [&](const Eigen::Vector3f& point_F) {
-        fan.visit(point_F, 0.0f, [&](int direction, const Eigen::Vector3f&) { look(direction); });
-      };
-      for (const Pixel::Alternative& alternative : pixel.alternatives) look_into_all(alternative.point_F);
-      if (corrected_px_[last] >= from_px_) look_into_all(point(from_px_ - kInside_px));  // it may surround a box
-    }
+    for (int u = view.x; u < view.br().x; ++u) collect(v * geometry_.size().width + u, first_place, correction);
   }
 }
 
-/// What a pixel may be in a direction's box.
-void Doubt::add(const Fan& fan, int direction, const Pixel& pixel, bool is_lidar_valid) {
-  const auto holds = [&](const Eigen::Vector3f& point_F) { return fan.contains(fan.turned(direction, point_F)); };
-  const bool holds_match = pixel.match_px < from_px_ && holds(pixel.match_F);
-  if (holds_match && !pixel.is_repeated) return;
-  Direction& box = directions_[direction];
-  bool is_farthest_in = false;
-  for (const Pixel::Alternative& alternative : pixel.alternatives) {
-    const bool is_behind = !holds_match && pixel.match_px < corrected_px_[alternative.place];
-    if ((!is_behind && !pixel.is_repeated) || !holds(alternative.point_F)) continue;
-    is_farthest_in |= alternative.place == pixel.farthest;
-    if (alternative.is_competitor && is_behind && is_lidar_valid) continue;
-    box.candidates.push_back({pixel.at, alternative.place});
+void Doubt::collect(int at, int first_place, const ScaleCorrection& correction) {
+  const int words = evidence_.set.channels() / 8, width = geometry_.size().width;
+  const auto* set = evidence_.set.ptr<std::uint64_t>() + static_cast<std::size_t>(at) * words;
+  const bool has_competitor = (evidence_.flags.data[at] & kCompetitor) != 0;
+  if (!has_competitor && firstBitFrom(set, words, first_place) >= end_place_) return;
+  const float best_px = evidence_.best_px.ptr<float>()[at], repeated_px = evidence_.repeated_px.ptr<float>()[at];
+  matches_px_[at] = correction.correct(std::isnan(repeated_px) ? best_px : repeated_px);
+  if (std::isnan(matches_px_[at])) return;
+  const Pixel pixel = this->pixel(at);
+  const auto add = [&](int place) {
+    if (isAlternative(pixel, place) && views_[place].contains({at % width, at / width})) this->set(place, at);
+  };
+  for (int word = first_place / 64; word < words; ++word) {
+    std::uint64_t bits = bitsTo(bitsFrom(set[word], word, first_place), word, end_place_ - 1);
+    for (; bits != 0; bits &= bits - 1) add(64 * word + lowestBit(bits));
   }
-  if (!pixel.has_competitor) return;
-  if (holds_match && is_farthest_in) {
-    const auto place = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
-    box.repeated_m2[place - corrected_px_.begin()] +=
-        pixelArea() * std::pow(geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
-  }
-  const bool may_surround = fan.size() == 1 || corrected_px_[pixel.nearest] >= from_px_;
-  if (may_surround && !is_farthest_in && !(is_lidar_valid && !holds_match)) addSurrounded(box, pixel);
+  if (!has_competitor) return;
+  add(pixel.farthest);
+  add(pixel.nearest);
+  if (pixel.is_repeated) addRepeated(pixel);
+  visitSurrounded(pixel, [&](int, int place) { this->set(place, at); });
 }
 
-/// Of competitors on both sides of a box one between, of which nothing is known, may be in it.
-void Doubt::addSurrounded(Direction& box, const Pixel& pixel) const {
-  const Crossing crossing = flight_corridor::crossing(box.T_D_C, box.size_m, pixel.ray_C);
-  if (!crossing.meets()) return;
-  const double exit_px = geometry_.disparity(crossing.exit);
-  const double entry_px = crossing.entry > 0.0 ? std::min(from_px_, geometry_.disparity(crossing.entry)) : from_px_;
-  if (!pixel.is_repeated && !(pixel.match_px < exit_px)) return;
-  const auto first = std::lower_bound(corrected_px_.begin(), corrected_px_.end(), exit_px + kInside_px);
-  if (first == corrected_px_.end() || *first >= entry_px) return;
-  const bool surrounds = corrected_px_[pixel.farthest] < *first && corrected_px_[pixel.nearest] >= entry_px;
-  if (surrounds) box.candidates.push_back({pixel.at, static_cast<int>(first - corrected_px_.begin())});
+/// Whether a place is one of a pixel's other disparities, where a box may be.
+bool Doubt::isAlternative(const Pixel& pixel, int place) const {
+  const bool is_other = pixel.is_repeated || corrected_px_[place] >= pixel.match_px + kInside_px;
+  const bool is_competitor = pixel.has_competitor && (place == pixel.farthest || place == pixel.nearest);
+  return begin_place_ <= place && place < end_place_ && is_other && (is_competitor || pixel.isInSet(place));
 }
 
-/// Whether pixels at one disparity that touch each other cover the smallest obstacle's area.
-bool Doubt::holdsPatch(const Direction& direction, double smallest_m2) {
-  const std::vector<Candidate>& candidates = direction.candidates;
-  begins_.assign(corrected_px_.size() + 1, 0);
-  for (const Candidate& candidate : candidates) ++begins_[candidate.place + 1];
-  for (std::size_t place = 1; place < begins_.size(); ++place) begins_[place] += begins_[place - 1];
-  by_place_.resize(candidates.size());
-  std::vector<int>& next = parents_;  // scratch
-  next.assign(begins_.begin(), begins_.end());
-  for (const Candidate& candidate : candidates) by_place_[next[candidate.place]++] = candidate.pixel;
-  for (int place = 0; place + 1 < static_cast<int>(begins_.size()); ++place) {
-    if (holdsPatchAt(place, smallest_m2)) return true;
-  }
-  return false;
+bool Doubt::isMatchIn(int direction, const Pixel& pixel) const {
+  return end_px_ <= pixel.match_px && pixel.match_px < from_px_ &&
+         fan_.contains(fan_.turned(direction, point(pixel, pixel.match_px)));
 }
 
-bool Doubt::holdsPatchAt(int place, double smallest_m2) {
-  const int *begin = by_place_.data() + begins_[place], *end = by_place_.data() + begins_[place + 1];
-  const double disparity_px = corrected_px_[place];
-  if (begin == end || !(disparity_px > 0.0)) return false;
-  const double pixel_m = geometry_.pixelEdge(disparity_px);
-  const double enough = smallest_m2 / (pixelArea() * pixel_m * pixel_m);
-  if (static_cast<double>(end - begin) < enough) return false;
+/// Whether an alternative that fits in a direction's box may be there.
+bool Doubt::mayBeIn(int direction, const Pixel& pixel, int place) const {
+  const bool is_behind = pixel.match_px < corrected_px_[place] && !isMatchIn(direction, pixel);
+  if (!is_behind) return pixel.is_repeated;
+  return !directions_[direction].is_lidar_valid || pixel.isInSet(place);
+}
+
+void Doubt::addRepeated(const Pixel& pixel) {
+  if (!isAlternative(pixel, pixel.farthest)) return;
+  const auto place = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
+  const double pixel_m2 = std::pow(geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
+  const Eigen::Vector3f farthest_F = point(pixel, corrected_px_[pixel.farthest] - kInside_px);
+  fan_.visit(farthest_F, 0.0f, [&](int direction, const Eigen::Vector3f&) {
+    if (isMatchIn(direction, pixel)) directions_[direction].repeated_m2[place - corrected_px_.begin()] += pixel_m2;
+  });
+}
+
+/// Whether pixels at one disparity that touch each other cover the smallest obstacle's area, in each direction's box.
+void Doubt::lookAt(int place, double smallest_m2) {
+  const double smallest_px = smallest_m2 / std::pow(geometry_.pixelEdge(corrected_px_[place]), 2);
   const int width = geometry_.size().width;
-  parents_.clear();
-  sizes_.clear();
-  int largest = 0;
-  for (const int* pixel = begin; pixel != end; ++pixel) {
-    const int u = *pixel % width, v = *pixel / width;
-    int label = -1;
-    const auto touch = [&](int du, int dv) {
-      if (u + du < 0 || u + du >= width || v + dv < 0) return;
-      const int other = labels_[*pixel + dv * width + du];
-      if (other < 0) return;
-      const int at = rootOf(parents_, other);
-      if (label < 0) {
-        label = at;
-      } else if (at != label) {
-        parents_[at] = label;
-        sizes_[label] += sizes_[at];
-      }
-    };
-    touch(looks_at_half_ ? -2 : -1, 0);
-    touch(0, looks_at_half_ ? -2 : -1);
-    for (const int du : {-1, 1}) touch(du, -1);
-    if (label < 0) {
-      label = static_cast<int>(parents_.size());
-      parents_.push_back(label);
-      sizes_.push_back(0);
+  for (Direction& direction : directions_) direction.pixels.clear();
+  const cv::Rect& view = views_[place];
+  if (view.empty()) return;
+  const int first_word = view.x / 64, words = wordsOf(view.br().x) - first_word;
+  const BitImage image{bits_.data() + begin(view.y, place) + first_word, begin(1, place) - begin(0, place), view.height,
+                       words};
+  for (const BitPatches::Run& run : patches_.find(image, smallest_px)) {
+    const int row = (view.y + run.v) * width + 64 * first_word;
+    for (int at = row + run.first_u; at < row + run.end_u; ++at) {
+      const Pixel pixel = this->pixel(at);
+      const auto add = [&](int direction, const Eigen::Vector3f&) {
+        Direction& box = directions_[direction];
+        if (box.isAsked() && mayBeIn(direction, pixel, place)) box.pixels.push_back(at);
+      };
+      if (isAlternative(pixel, place)) fan_.visit(point(pixel, corrected_px_[place] - kInside_px), 0.0f, add);
+      visitSurrounded(pixel, [&](int direction, int surrounded) {
+        if (surrounded == place) directions_[direction].pixels.push_back(at);
+      });
     }
-    labels_[*pixel] = label;
-    largest = std::max(largest, ++sizes_[label]);
   }
-  for (const int* pixel = begin; pixel != end; ++pixel) labels_[*pixel] = -1;
-  return largest >= enough;
+  for (Direction& direction : directions_) direction.is_doubtful |= holdsPatch(direction, smallest_px);
+}
+
+bool Doubt::holdsPatch(const Direction& direction, double smallest_px) {
+  const std::vector<int>& pixels = direction.pixels;
+  if (pixels.empty() || static_cast<double>(pixels.size()) < smallest_px) return false;
+  const int width = geometry_.size().width, words = wordsOf(width);
+  const int first_v = pixels.front() / width, rows = pixels.back() / width - first_v + 1;
+  std::fill(direction_.begin(), direction_.begin() + rows * words, 0);
+  for (const int at : pixels) {
+    const int u = at % width;
+    direction_[(at / width - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
+  }
+  return !patches_.find({direction_.data(), words, rows, words}, smallest_px).empty();
 }
 
 /// Whether repeated matches of one surface, to a pixel, cover most of the smallest obstacle; they need not touch.
@@ -259,9 +286,18 @@ bool Doubt::holdsRepeated(const Direction& direction, double smallest_m2) {
 }
 
 cv::Mat Doubt::image() const {
-  cv::Mat image = cv::Mat::zeros(geometry_.size(), CV_8UC1);
-  for (const Candidate& candidate : directions_.front().candidates) image.data[candidate.pixel] = 255;
-  return image;
+  cv::Mat shown = cv::Mat::zeros(geometry_.size(), CV_8UC1);
+  for (int place = begin_place_; place < end_place_; ++place) {
+    for (int at = 0; at < shown.size().area(); ++at) {
+      const int u = at % shown.cols;
+      if (!(bits_[begin(at / shown.cols, place) + u / 64] >> u % 64 & 1u)) continue;
+      const Pixel pixel = this->pixel(at);
+      const Eigen::Vector3f at_F = fan_.turned(0, point(pixel, corrected_px_[place] - kInside_px));
+      const bool is_surrounded = !isAlternative(pixel, place);
+      if (is_surrounded || (fan_.contains(at_F) && mayBeIn(0, pixel, place))) shown.data[at] = 255;
+    }
+  }
+  return shown;
 }
 
 }  // namespace flight_corridor

@@ -1,10 +1,12 @@
 #pragma once
 
-#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "flight_corridor/corridor/bit_patches.hpp"
 #include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
@@ -37,51 +39,58 @@ class Doubt {
   cv::Mat image() const;
 
  private:
-  /// A pixel at one of its disparities.
-  struct Candidate {
-    int pixel, place;
-  };
   /// What may be in a direction's box.
   struct Direction {
-    Eigen::Isometry3d T_D_C;  // into the box's frame
-    Eigen::Vector3d size_m;
-    std::vector<Candidate> candidates;  // in the order of the pixels
-    bool is_doubtful = false;
-    int looked_at = -1;               // last pixel that was looked at
+    bool is_open = false, is_lidar_valid = false, is_doubtful = false;
     std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their places is right,
                                       // by the place of the match
+    std::vector<int> pixels;          // that may be in it, at the place that is looked at
 
-    void clear() {
-      candidates.clear();
-      looked_at = -1;
-      is_doubtful = false;
-      std::fill(repeated_m2.begin(), repeated_m2.end(), 0.0);
-    }
+    bool isAsked() const { return is_open && !is_doubtful; }
+  };
+  /// Between two opposite sides of each direction's box.
+  struct Slabs {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> normals_C;
+    Eigen::ArrayXd low_m, high_m;  // from the camera to the sides
   };
   /// A pixel whose match may not be the only one.
   struct Pixel;
 
-  void prepare(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction);
-  void collect(const Fan& fan, const DisparityEvidence& evidence, const ScaleCorrection& correction,
+  void prepare(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                const std::vector<Question>& questions);
-  void add(const Fan& fan, int direction, const Pixel& pixel, bool is_lidar_valid);
-  void addSurrounded(Direction& box, const Pixel& pixel) const;
-  /// Of one that is looked at, and what stands for it [px].
-  double pixelArea() const { return looks_at_half_ ? 2.0 : 1.0; }
-  bool isDoubtful(const Direction& direction, double smallest_m2);
+  void findViews();
+  void collect(const ScaleCorrection& correction);
+  void collect(int at, int first_place, const ScaleCorrection& correction);
+  void addRepeated(const Pixel& pixel);
+  void lookAt(int place, double smallest_m2);
+  Pixel pixel(int at) const;
+  bool isAlternative(const Pixel& pixel, int place) const;
+  bool isMatchIn(int direction, const Pixel& pixel) const;
+  bool mayBeIn(int direction, const Pixel& pixel, int place) const;
+  void cross(const Pixel& pixel);
+  template <class Visit>
+  void visitSurrounded(const Pixel& pixel, Visit&& visit);
+  Eigen::Vector3f point(const Pixel& pixel, double disparity_px) const;
+  std::ptrdiff_t begin(int v, int place) const;
+  void set(int place, int at);
   static bool holdsRepeated(const Direction& direction, double smallest_m2);
-  bool holdsPatch(const Direction& direction, double smallest_m2);
-  bool holdsPatchAt(int place, double smallest_m2);
+  bool holdsPatch(const Direction& direction, double smallest_px);
 
   StereoGeometry geometry_;
   double first_px_;
-  double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
-  std::vector<double> corrected_px_;     // a place
-  bool looks_at_half_ = false;           // of the pixels, as on the black fields of a chessboard
+  Fan fan_{Box()};
+  DisparityEvidence evidence_;
+  double from_px_ = 0.0, end_px_ = 0.0;   // disparities between which the boxes are
+  std::vector<double> corrected_px_;      // a place
+  int begin_place_ = 0, end_place_ = 0;   // between which they are looked at
+  std::vector<cv::Rect> views_;           // of the boxes that are asked about, a place
+  std::vector<double> matches_px_;        // a pixel, corrected; where it is looked at
+  std::vector<std::uint64_t> bits_;       // pixels that may be in a box: row by row, and of a row place by place
+  std::vector<std::uint64_t> direction_;  // ... in a direction's, at one place
   std::vector<Direction> directions_;
-  std::vector<int> begins_, by_place_;  // pixels, disparity by disparity
-  std::vector<int> labels_;             // a pixel; -1: none
-  std::vector<int> parents_, sizes_;    // a label
+  std::array<Slabs, 3> slabs_;
+  Eigen::ArrayXd per_m_, entries_, exits_;  // of a pixel's ray, a direction: see Crossing
+  BitPatches patches_;
 };
 
 }  // namespace flight_corridor
