@@ -44,6 +44,8 @@ std::string writeFlight() {
   BagRig rig;
   rig.calibration = fuzz::smallRig();
   rig.calibration.size_px = {16, 12};
+  rig.calibration.cx_px = rig.calibration.cx_right_px = 7.5;
+  rig.calibration.cy_px = 5.5;
   rig.T_B_C = opticalFromForward().inverse();
   StereoBagWriter bag(path, rig, kStart);
   for (int i = 0; i < 2; ++i) {
