@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
 constexpr double kUsualBaselines_m[] = {0.03, 0.6};
-constexpr double kMiddle = 0.05;  // of an image's width and height: nearer to the middle is the principal point
+constexpr double kMiddle = 0.06;  // of an image's width and height: nearer to the middle is the principal point
 
 void requirePositive(double value, const char* name, std::string& faults) {
   if (!(value > 0.0 && std::isfinite(value))) {
@@ -45,7 +45,7 @@ void requireFinite(double value, const char* name, std::string& faults) {
   if (!std::isfinite(value)) faults += " " + std::string(name) + " must be finite;";
 }
 
-/// Lens and rectification move it by a twentieth of the image along one side; a calibration of another image size moves
+/// Lens and rectification move it by more than this along one side at most; a calibration of another image size moves
 /// it along both, by one factor.
 void requirePrincipalPoint(const StereoCalibration& calibration, std::string& faults) {
   const cv::Size& size_px = calibration.size_px;
