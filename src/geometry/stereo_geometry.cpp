@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
 constexpr double kUsualBaselines_m[] = {0.03, 0.6};
-constexpr double kMiddle = 0.06;  // of an image's width and height: nearer to the middle is the principal point
+constexpr double kMiddle = 0.063;  // of an image's width and height: nearer to the middle is the principal point
 
 void requirePositive(double value, const char* name, std::string& faults) {
   if (!(value > 0.0 && std::isfinite(value))) {
