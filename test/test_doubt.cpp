@@ -20,6 +20,8 @@ using test_support::kCorridor;
 using test_support::kSmallest_m;
 using test_support::kSmallGeometry;
 
+BandWorkers workers(2);
+
 constexpr float kWall_px = 3.0f;  // at 7 m
 constexpr int kInTheBox_px = 10;  // at 2.1 m
 const cv::Point kMiddle(160, 120);
@@ -43,7 +45,7 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
 bool isIn(const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_lidar_valid, const Box& box,
           double from_m = kBlind_m) {
   Doubt doubt(kSmallGeometry);
-  doubt.find(box, from_m, evidence, correction, {{true, is_lidar_valid}}, kSmallest_m);
+  doubt.find(box, from_m, evidence, correction, {{true, is_lidar_valid}}, kSmallest_m, workers);
   return doubt.isIn(0);
 }
 
@@ -181,7 +183,7 @@ TEST(Doubt, OfADirectionThatIsNotAskedNothingIsKnown) {
   repeat({kMiddle, cv::Size(20, 20)}, kInTheBox_px - 1, evidence);
   Doubt doubt(kSmallGeometry);
   const ScaleCorrection correction((ScaleConfig()));
-  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, correction, {{true}, {false}}, kSmallest_m);
+  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, correction, {{true}, {false}}, kSmallest_m, workers);
   EXPECT_TRUE(doubt.isIn(0));
   EXPECT_FALSE(doubt.isIn(1));
 }
@@ -195,7 +197,7 @@ TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
   const ScaleCorrection correction((ScaleConfig()));
   Doubt doubt(kSmallGeometry);
   for (int run = 0; run < 2; ++run) {  // the first leaves nothing behind
-    doubt.find(fan, kBlind_m, evidence, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m);
+    doubt.find(fan, kBlind_m, evidence, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m, workers);
     for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, false, fan.box(i))) << i;
   }
   EXPECT_TRUE(doubt.isIn(7)) << "straight ahead";
@@ -206,7 +208,7 @@ TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
   Doubt doubt(kSmallGeometry);
-  doubt.find(kCorridor, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m);
+  doubt.find(kCorridor, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m, workers);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
 }

@@ -21,7 +21,6 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     const auto& holes = holes_.find(fan, pair.rays, pair.correction, from_m, pair.nearest_m, smallest_m);
     for (int i = 0; i < fan.size(); ++i) evidence_[i].unobserved = holes[i];
   };
-  const auto find_doubt = [&] { doubt_.find(fan, from_m, pair.disparity, pair.correction, questions_, smallest_m); };
   const auto find_railings = [&] {
     railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m);
     for (int i = 0; i < fan.size(); ++i) {
@@ -31,9 +30,7 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   questions_.clear();
   for (int i = 0; i < fan.size(); ++i) questions_.push_back({true, is_lidar_valid[i]});
   if (is_one) {
-    workers.run(4, [&](int part, int) {
-      part == 0 ? find_doubt() : part == 1 ? find_patches() : part == 2 ? find_holes() : find_railings();
-    });
+    workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : find_railings(); });
   } else {
     workers.run(2, [&](int part, int) { part == 0 ? find_patches() : find_holes(); });
     for (int i = 0; i < fan.size(); ++i) {
@@ -42,8 +39,9 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
                                           [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); });
       questions_[i].is_open = is_blocked || !evidence_[i].unobserved.hasHole();
     }
-    workers.run(2, [&](int part, int) { part == 0 ? find_doubt() : find_railings(); });
+    find_railings();
   }
+  doubt_.find(fan, from_m, pair.disparity, pair.correction, questions_, smallest_m, workers);
   for (int i = 0; i < fan.size(); ++i) evidence_[i].is_ambiguous |= doubt_.isIn(i);
   return evidence_;
 }

@@ -13,6 +13,7 @@ namespace flight_corridor {
 
 namespace {
 
+constexpr int kBands = 8;                 // of rows, or of places, side by side
 constexpr double kInside_px = 0.5;        // so much nearer than the box's end a whole disparity is surely in it
 constexpr double kMostOfObstacle = 0.75;  // its edges are matched on what is behind
 
@@ -36,20 +37,31 @@ Doubt::Doubt(const StereoGeometry& geometry)
     : geometry_(geometry),
       first_px_(firstDisparity(geometry)),
       matches_px_(static_cast<std::size_t>(geometry.size().area())),
-      direction_(static_cast<std::size_t>(geometry.size().height * wordsOf(geometry.size().width))) {}
+      scratch_(kBands) {}
 
 /// A patch in a direction's box is a part of one of all pixels that may be in any box: where none of these is large
 /// enough, no direction is looked into.
 void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                 const std::vector<Question>& questions, double smallest_m) {
+                 const std::vector<Question>& questions, double smallest_m, BandWorkers& workers) {
   const double smallest_m2 = smallest_m * smallest_m;
   prepare(fan, from_m, evidence, correction, questions);
   findViews();
-  collect(correction);
+  const auto inBands = [&](int begin, int end, const auto& visit) {
+    for (Scratch& scratch : scratch_) prepare(scratch);
+    workers.run(kBands, [&](int band, int) {
+      const int size = end - begin, last = begin + size * (band + 1) / kBands;
+      for (int i = begin + size * band / kBands; i < last; ++i) visit(i, scratch_[band]);
+    });
+  };
+  inBands(0, geometry_.size().height, [&](int v, Scratch& scratch) { collectRow(v, correction, scratch); });
+  for (const Scratch& scratch : scratch_) {
+    for (const int at : scratch.repeated) addRepeated(pixel(at));
+  }
   for (Direction& one : directions_) one.is_doubtful = one.is_open && holdsRepeated(one, smallest_m2);
-  const auto is_asked = [](const Direction& direction) { return direction.isAsked(); };
-  for (int place = begin_place_; place < end_place_; ++place) {
-    if (std::any_of(directions_.begin(), directions_.end(), is_asked)) lookAt(place, smallest_m2);
+  inBands(begin_place_, end_place_, [&](int place, Scratch& scratch) { lookAt(place, smallest_m2, scratch); });
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    const auto found = [&](const Scratch& scratch) { return scratch.boxes[i].is_asked != directions_[i].isAsked(); };
+    directions_[i].is_doubtful |= std::any_of(scratch_.begin(), scratch_.end(), found);
   }
 }
 
@@ -71,26 +83,23 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
   };
   begin_place_ = placeFrom(end_px_ + kInside_px);
   end_place_ = std::max(begin_place_, placeFrom(from_px_));
+  bits_.resize(static_cast<std::size_t>(geometry_.size().height) * begin(1, begin_place_));
   directions_.resize(fan.size());
-  for (Slabs& slabs : slabs_) {
-    slabs.normals_C.resize(fan.size(), 3);
-    slabs.low_m.resize(fan.size());
-    slabs.high_m.resize(fan.size());
-  }
   for (int i = 0; i < fan.size(); ++i) {
     Direction& direction = directions_[i];
-    const Eigen::Isometry3d T_D_C = fan.box(i).T_M_F.inverse();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double size_m = fan.box().size_m[axis], low_m = axis == 0 ? 0.0 : -0.5 * size_m;
-      slabs_[axis].normals_C.row(i) = T_D_C.linear().row(axis);
-      slabs_[axis].low_m[i] = low_m - T_D_C.translation()[axis];
-      slabs_[axis].high_m[i] = low_m + size_m - T_D_C.translation()[axis];
-    }
+    direction.T_D_C = fan.box(i).T_M_F.inverse();
     direction.is_doubtful = false;
     direction.is_open = questions[i].is_open;
     direction.is_lidar_valid = questions[i].is_lidar_valid;
     direction.repeated_m2.assign(corrected_px_.size(), 0.0);
   }
+}
+
+void Doubt::prepare(Scratch& scratch) const {
+  scratch.repeated.clear();
+  scratch.boxes.resize(directions_.size());
+  for (std::size_t i = 0; i < directions_.size(); ++i) scratch.boxes[i].is_asked = directions_[i].isAsked();
+  scratch.direction.resize(static_cast<std::size_t>(geometry_.size().height * wordsOf(geometry_.size().width)));
 }
 
 /// Where the boxes are in the image, a place.
@@ -132,30 +141,19 @@ Eigen::Vector3f Doubt::point(const Pixel& pixel, double disparity_px) const {
   return fan_.T_F_C() * (geometry_.depth(disparity_px) * ray_C).cast<float>();
 }
 
-/// Where a pixel's ray is in all boxes.
-void Doubt::cross(const Pixel& pixel) {
-  const int width = geometry_.size().width;
-  const Eigen::Vector3d ray_C = geometry_.point(pixel.at % width, pixel.at / width, 1.0);
-  entries_.setConstant(directions_.size(), -kInfinity);
-  exits_.setConstant(directions_.size(), kInfinity);
-  for (const Slabs& slabs : slabs_) {
-    per_m_ = (slabs.normals_C * ray_C).array().inverse();
-    entries_ = entries_.max((slabs.low_m * per_m_).min(slabs.high_m * per_m_));
-    exits_ = exits_.min((slabs.low_m * per_m_).max(slabs.high_m * per_m_));
-  }
-}
-
 /// Of competitors on both sides of a box one between, of which nothing is known, may be in it: at the farthest place.
 /// Calls visit(direction, place).
 template <class Visit>
-void Doubt::visitSurrounded(const Pixel& pixel, Visit&& visit) {
+void Doubt::visitSurrounded(const Pixel& pixel, Scratch& scratch, Visit&& visit) const {
   const bool is_one = directions_.size() == 1;
   if (!pixel.has_competitor || !(is_one || corrected_px_[pixel.nearest] >= from_px_)) return;
   if (pixel.nearest <= begin_place_ || pixel.farthest >= end_place_) return;
-  cross(pixel);
+  const int width = geometry_.size().width;
+  const Eigen::Vector3d ray_C = geometry_.point(pixel.at % width, pixel.at / width, 1.0);
   for (int i = 0; i < static_cast<int>(directions_.size()); ++i) {
-    const Crossing crossing{entries_[i], exits_[i]};
-    if (!directions_[i].isAsked() || !crossing.meets()) continue;
+    if (!scratch.boxes[i].is_asked) continue;
+    const Crossing crossing = flight_corridor::crossing(directions_[i].T_D_C, fan_.box().size_m, ray_C);
+    if (!crossing.meets()) continue;
     const double exit_px = geometry_.disparity(crossing.exit);
     if (corrected_px_[pixel.farthest] >= exit_px + kInside_px) continue;
     const double entry_px = crossing.entry > 0.0 ? std::min(from_px_, geometry_.disparity(crossing.entry)) : from_px_;
@@ -169,21 +167,19 @@ void Doubt::visitSurrounded(const Pixel& pixel, Visit&& visit) {
 
 /// Of pixels that are matched behind a box, and of repeated matches in it: what else is matched in it is for
 /// BoxPatches.
-void Doubt::collect(const ScaleCorrection& correction) {
-  bits_.assign(static_cast<std::size_t>(end_place_ - begin_place_) * direction_.size(), 0);
-  for (int v = 0; v < geometry_.size().height; ++v) {
-    cv::Rect view;
-    int first_place = end_place_;
-    for (int place = end_place_ - 1; place >= begin_place_; --place) {
-      if (v < views_[place].y || v >= views_[place].br().y) continue;
-      view |= views_[place];
-      first_place = place;
-    }
-    for (int u = view.x; u < view.br().x; ++u) collect(v * geometry_.size().width + u, first_place, correction);
+void Doubt::collectRow(int v, const ScaleCorrection& correction, Scratch& scratch) {
+  std::fill_n(bits_.begin() + begin(v, begin_place_), begin(1, begin_place_), 0);
+  cv::Rect view;
+  int first_place = end_place_;
+  for (int place = end_place_ - 1; place >= begin_place_; --place) {
+    if (v < views_[place].y || v >= views_[place].br().y) continue;
+    view |= views_[place];
+    first_place = place;
   }
+  for (int u = view.x; u < view.br().x; ++u) collect(v * geometry_.size().width + u, first_place, correction, scratch);
 }
 
-void Doubt::collect(int at, int first_place, const ScaleCorrection& correction) {
+void Doubt::collect(int at, int first_place, const ScaleCorrection& correction, Scratch& scratch) {
   const int words = evidence_.set.channels() / 8, width = geometry_.size().width;
   const auto* set = evidence_.set.ptr<std::uint64_t>() + static_cast<std::size_t>(at) * words;
   const bool has_competitor = (evidence_.flags.data[at] & kCompetitor) != 0;
@@ -202,8 +198,8 @@ void Doubt::collect(int at, int first_place, const ScaleCorrection& correction) 
   if (!has_competitor) return;
   add(pixel.farthest);
   add(pixel.nearest);
-  if (pixel.is_repeated) addRepeated(pixel);
-  visitSurrounded(pixel, [&](int, int place) { this->set(place, at); });
+  if (pixel.is_repeated) scratch.repeated.push_back(at);
+  visitSurrounded(pixel, scratch, [&](int, int place) { this->set(place, at); });
 }
 
 /// Whether a place is one of a pixel's other disparities, where a box may be.
@@ -236,43 +232,42 @@ void Doubt::addRepeated(const Pixel& pixel) {
 }
 
 /// Whether pixels at one disparity that touch each other cover the smallest obstacle's area, in each direction's box.
-void Doubt::lookAt(int place, double smallest_m2) {
+void Doubt::lookAt(int place, double smallest_m2, Scratch& scratch) const {
   const double smallest_px = smallest_m2 / std::pow(geometry_.pixelEdge(corrected_px_[place]), 2);
   const int width = geometry_.size().width;
-  for (Direction& direction : directions_) direction.pixels.clear();
+  for (Scratch::Box& box : scratch.boxes) box.pixels.clear();
   const cv::Rect& view = views_[place];
   if (view.empty()) return;
   const int first_word = view.x / 64, words = wordsOf(view.br().x) - first_word;
   const BitImage image{bits_.data() + begin(view.y, place) + first_word, begin(1, place) - begin(0, place), view.height,
                        words};
-  for (const BitPatches::Run& run : patches_.find(image, smallest_px)) {
+  for (const BitPatches::Run& run : scratch.patches.find(image, smallest_px)) {
     const int row = (view.y + run.v) * width + 64 * first_word;
     for (int at = row + run.first_u; at < row + run.end_u; ++at) {
       const Pixel pixel = this->pixel(at);
       const auto add = [&](int direction, const Eigen::Vector3f&) {
-        Direction& box = directions_[direction];
-        if (box.isAsked() && mayBeIn(direction, pixel, place)) box.pixels.push_back(at);
+        Scratch::Box& box = scratch.boxes[direction];
+        if (box.is_asked && mayBeIn(direction, pixel, place)) box.pixels.push_back(at);
       };
       if (isAlternative(pixel, place)) fan_.visit(point(pixel, corrected_px_[place] - kInside_px), 0.0f, add);
-      visitSurrounded(pixel, [&](int direction, int surrounded) {
-        if (surrounded == place) directions_[direction].pixels.push_back(at);
+      visitSurrounded(pixel, scratch, [&](int direction, int surrounded) {
+        if (surrounded == place) scratch.boxes[direction].pixels.push_back(at);
       });
     }
   }
-  for (Direction& direction : directions_) direction.is_doubtful |= holdsPatch(direction, smallest_px);
+  for (Scratch::Box& box : scratch.boxes) box.is_asked = box.is_asked && !holdsPatch(box.pixels, smallest_px, scratch);
 }
 
-bool Doubt::holdsPatch(const Direction& direction, double smallest_px) {
-  const std::vector<int>& pixels = direction.pixels;
+bool Doubt::holdsPatch(const std::vector<int>& pixels, double smallest_px, Scratch& scratch) const {
   if (pixels.empty() || static_cast<double>(pixels.size()) < smallest_px) return false;
   const int width = geometry_.size().width, words = wordsOf(width);
   const int first_v = pixels.front() / width, rows = pixels.back() / width - first_v + 1;
-  std::fill(direction_.begin(), direction_.begin() + rows * words, 0);
+  std::fill_n(scratch.direction.begin(), rows * words, 0);
   for (const int at : pixels) {
     const int u = at % width;
-    direction_[(at / width - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
+    scratch.direction[(at / width - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
   }
-  return !patches_.find({direction_.data(), words, rows, words}, smallest_px).empty();
+  return !scratch.patches.find({scratch.direction.data(), words, rows, words}, smallest_px).empty();
 }
 
 /// Whether repeated matches of one surface, to a pixel, cover most of the smallest obstacle; they need not touch.

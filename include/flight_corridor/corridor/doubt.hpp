@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/corridor/bit_patches.hpp"
 #include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -16,7 +16,7 @@ namespace flight_corridor {
 
 /// Whether something could stand in a box that the images match behind it: pixels whose set of disparities, or whose
 /// distinct competitor, has one in the box; and repeated matches in it. A single pixel finds chance matches; what
-/// counts is a patch of them at one disparity, as large as the smallest obstacle. One object, one thread.
+/// counts is a patch of them at one disparity, as large as the smallest obstacle. One object, one caller.
 class Doubt {
  public:
   /// What is to be known of a direction's box.
@@ -31,7 +31,7 @@ class Doubt {
   /// @param correction of its disparities.  @param questions a direction.
   /// @param smallest_m edge of a square: a patch of its area is doubt enough.
   void find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-            const std::vector<Question>& questions, double smallest_m);
+            const std::vector<Question>& questions, double smallest_m, BandWorkers& workers);
 
   /// Whether there was any in a direction's box.
   bool isIn(int direction) const { return directions_[direction].is_doubtful; }
@@ -41,56 +41,59 @@ class Doubt {
  private:
   /// What may be in a direction's box.
   struct Direction {
+    Eigen::Isometry3d T_D_C;
     bool is_open = false, is_lidar_valid = false, is_doubtful = false;
     std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their places is right,
                                       // by the place of the match
-    std::vector<int> pixels;          // that may be in it, at the place that is looked at
 
     bool isAsked() const { return is_open && !is_doubtful; }
   };
-  /// Between two opposite sides of each direction's box.
-  struct Slabs {
-    Eigen::Matrix<double, Eigen::Dynamic, 3> normals_C;
-    Eigen::ArrayXd low_m, high_m;  // from the camera to the sides
-  };
   /// A pixel whose match may not be the only one.
   struct Pixel;
+  /// Memory of one band: whichever threads work, it grows as the images demand and sums up in the same order.
+  struct Scratch {
+    std::vector<int> repeated;  // pixels
+    struct Box {
+      bool is_asked;
+      std::vector<int> pixels;  // that may be in it, at the place that is looked at
+    };
+    std::vector<Box> boxes;                // a direction
+    std::vector<std::uint64_t> direction;  // pixels that may be in one of them
+    BitPatches patches;
+  };
 
   void prepare(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
                const std::vector<Question>& questions);
+  void prepare(Scratch& scratch) const;
   void findViews();
-  void collect(const ScaleCorrection& correction);
-  void collect(int at, int first_place, const ScaleCorrection& correction);
+  void collectRow(int v, const ScaleCorrection& correction, Scratch& scratch);
+  void collect(int at, int first_place, const ScaleCorrection& correction, Scratch& scratch);
   void addRepeated(const Pixel& pixel);
-  void lookAt(int place, double smallest_m2);
+  void lookAt(int place, double smallest_m2, Scratch& scratch) const;
   Pixel pixel(int at) const;
   bool isAlternative(const Pixel& pixel, int place) const;
   bool isMatchIn(int direction, const Pixel& pixel) const;
   bool mayBeIn(int direction, const Pixel& pixel, int place) const;
-  void cross(const Pixel& pixel);
   template <class Visit>
-  void visitSurrounded(const Pixel& pixel, Visit&& visit);
+  void visitSurrounded(const Pixel& pixel, Scratch& scratch, Visit&& visit) const;
   Eigen::Vector3f point(const Pixel& pixel, double disparity_px) const;
   std::ptrdiff_t begin(int v, int place) const;
   void set(int place, int at);
   static bool holdsRepeated(const Direction& direction, double smallest_m2);
-  bool holdsPatch(const Direction& direction, double smallest_px);
+  bool holdsPatch(const std::vector<int>& pixels, double smallest_px, Scratch& scratch) const;
 
   StereoGeometry geometry_;
   double first_px_;
   Fan fan_{Box()};
   DisparityEvidence evidence_;
-  double from_px_ = 0.0, end_px_ = 0.0;   // disparities between which the boxes are
-  std::vector<double> corrected_px_;      // a place
-  int begin_place_ = 0, end_place_ = 0;   // between which they are looked at
-  std::vector<cv::Rect> views_;           // of the boxes that are asked about, a place
-  std::vector<double> matches_px_;        // a pixel, corrected; where it is looked at
-  std::vector<std::uint64_t> bits_;       // pixels that may be in a box: row by row, and of a row place by place
-  std::vector<std::uint64_t> direction_;  // ... in a direction's, at one place
+  double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
+  std::vector<double> corrected_px_;     // a place
+  int begin_place_ = 0, end_place_ = 0;  // between which they are looked at
+  std::vector<cv::Rect> views_;          // of the boxes that are asked about, a place
+  std::vector<double> matches_px_;       // a pixel, corrected; where it is looked at
+  std::vector<std::uint64_t> bits_;      // pixels that may be in a box: row by row, and of a row place by place
   std::vector<Direction> directions_;
-  std::array<Slabs, 3> slabs_;
-  Eigen::ArrayXd per_m_, entries_, exits_;  // of a pixel's ray, a direction: see Crossing
-  BitPatches patches_;
+  std::vector<Scratch> scratch_;  // a band
 };
 
 }  // namespace flight_corridor
