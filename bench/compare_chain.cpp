@@ -27,6 +27,7 @@
 #include "ros/conversions.hpp"
 #include "stock_octomap.hpp"
 #include "tools/command_line.hpp"
+#include "tools/progress.hpp"
 #include "tools/replayer.hpp"
 #include "tools/stereo_bag_reader.hpp"
 

@@ -30,6 +30,7 @@
 #include "stock_octomap.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/progress.hpp"
 #include "tools/stereo_bag_reader.hpp"
 
 namespace {

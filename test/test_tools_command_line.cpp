@@ -112,14 +112,5 @@ TEST_F(CommandLineTest, AnswersHelpWithoutRequiredOptionsAndWithoutWorking) {
   EXPECT_NE(help.find("--rate HZ"), std::string::npos) << help;
 }
 
-TEST(Progress, PrintsALineForEveryTenPercentWithoutATerminal) {
-  testing::internal::CaptureStderr();
-  Progress progress("work", 40);
-  for (int i = 0; i < 40; ++i) progress.advance();
-  const std::string text = testing::internal::GetCapturedStderr();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10) << text;
-  EXPECT_NE(text.find("work: 100 %  40/40"), std::string::npos) << text;
-}
-
 }  // namespace
 }  // namespace flight_corridor::tools

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "tools/command_line.hpp"
+#include "tools/progress.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
 #include "tools/stereo_bag_reader.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
@@ -72,24 +71,5 @@ class CommandLine {
 /// A program's main: parses, answers questions or runs, and turns exceptions into "tool: message" on stderr.
 /// @return exit code: what `run` returns; 2 for a wrong command line, 1 for any other failure.
 int runTool(CommandLine& options, int argc, char** argv, const std::function<int()>& run);
-
-/// Progress of long work on stderr: a bar on a terminal, a line for every 10 % elsewhere.
-class Progress {
- public:
-  Progress(std::string what, std::size_t total);
-  /// One more of the total is done.
-  void advance();
-
- private:
-  double elapsed() const;
-  void drawBar() const;
-  void printLine() const;
-
-  std::string what_;
-  std::size_t total_, done_ = 0;
-  int shown_percent_ = -1;
-  bool terminal_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 }  // namespace flight_corridor::tools

@@ -3,6 +3,7 @@
 #include "tools/calibration_file.hpp"
 #include "tools/command_line.hpp"
 #include "tools/folder.hpp"
+#include "tools/progress.hpp"
 
 namespace flight_corridor::tools {
 namespace {

@@ -23,6 +23,7 @@
 #include "tools/map_file.hpp"
 #include "tools/new_bag.hpp"
 #include "tools/pictures.hpp"
+#include "tools/progress.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
 #include "tools/stereo_bag_reader.hpp"

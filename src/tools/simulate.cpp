@@ -8,6 +8,7 @@
 #include "sim/simulation.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/progress.hpp"
 #include "tools/stereo_bag_writer.hpp"
 
 namespace flight_corridor::tools {
