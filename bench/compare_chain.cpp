@@ -213,9 +213,7 @@ void printStages(const std::vector<Report>& reports) {
   }
 }
 
-int compare(const tools::CommandLine& options) {
-  const Recording recording = record(options.text("bag"), static_cast<std::size_t>(options.integer("frames", 6)));
-  const Config paper = tools::readConfig(options.text("paper"), {}).core;
+void compare(const Recording& recording, const Config& paper) {
   std::vector<Report> reports;
   const std::array<std::function<Chain()>, 3> makers{[&] { return paperChain(paper, recording); },
                                                      [&] { return stockChain(recording); },
@@ -238,16 +236,17 @@ int compare(const tools::CommandLine& options) {
                 peaks_mib[i], median_ms / ours_ms, cost.states[0], cost.states[1], cost.states[2]);
   }
   printStages(reports);
-  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  tools::CommandLine options("compare_chain", "Cost of a frame by the paper's chain, by stock parts and by ours.");
-  options.required("bag", "F.bag", "bag to read")
-      .optional("paper", "F.yaml", "the paper's settings", "config/paper.yaml")
-      .optional("frames", "N", "pairs that are read at most", "200")
-      .notes("CPU: of all threads, a frame. peak MiB: beyond what was there before, in a process of its own.");
-  return tools::runTool(options, argc, argv, [&] { return compare(options); });
+  std::string bag, paper = "config/paper.yaml";
+  std::size_t frames = 200;
+  CLI::App app("Cost of a frame by the paper's chain, by stock parts and by ours.", "compare_chain");
+  app.add_option("--bag", bag, "bag to read")->type_name("F.bag")->required();
+  app.add_option("--paper", paper, "the paper's settings")->type_name("F.yaml");
+  app.add_option("--frames", frames, "pairs that are read at most")->type_name("N")->check(tools::number(6.0));
+  app.footer("CPU: of all threads, a frame. peak MiB: beyond what was there before, in a process of its own.");
+  return tools::runTool(app, argc, argv, [&] { compare(record(bag, frames), tools::readConfig(paper, {}).core); });
 }

@@ -151,9 +151,9 @@ class Yardsticks {
   std::map<std::string, std::vector<ResultRow>> tables_;
 };
 
-int judge(const tools::CommandLine& options) {
+void judge(const std::string& path, const std::string& folder) {
   namespace shell = flight_corridor_ros;
-  const tools::StereoBagReader bag(options.text("bag"), tools::StereoTopics());
+  const tools::StereoBagReader bag(path, tools::StereoTopics());
   std::optional<Yardsticks> yardsticks;
   std::vector<RangeReading> early;  // before the geometry is known by the first pair
   tools::Progress progress("yardsticks", bag.leftImages());
@@ -171,18 +171,21 @@ int judge(const tools::CommandLine& options) {
     progress.advance();
   };
   bag.play({}, listener);
-  if (!yardsticks) throw std::runtime_error(options.text("bag") + ": no stereo pair");
-  std::filesystem::create_directories(options.text("out"));
-  yardsticks->write(options.text("out"));
-  return 0;
+  if (!yardsticks) throw std::runtime_error(path + ": no stereo pair");
+  std::filesystem::create_directories(folder);
+  yardsticks->write(folder);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  tools::CommandLine options("yardsticks", "Verdicts of stock methods on a bag.");
-  options.required("bag", "F.bag", "bag to read")
-      .required("out", "DIR", "folder for METHOD_THRESHOLD.csv: paper and window by distance [m], octomap by points")
-      .notes("paper: d_K < D. window: nearest depth in the projected window < D. octomap: SGBM by insertPointCloud.");
-  return tools::runTool(options, argc, argv, [&] { return judge(options); });
+  std::string bag, folder;
+  CLI::App app("Verdicts of stock methods on a bag.", "yardsticks");
+  app.add_option("--bag", bag, "bag to read")->type_name("F.bag")->required();
+  app.add_option("--out", folder,
+                 "folder for METHOD_THRESHOLD.csv: paper and window by distance [m],\noctomap by points")
+      ->type_name("DIR")
+      ->required();
+  app.footer("paper: d_K < D. window: nearest depth in the projected window < D. octomap: SGBM by insertPointCloud.");
+  return tools::runTool(app, argc, argv, [&] { judge(bag, folder); });
 }

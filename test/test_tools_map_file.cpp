@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <CLI/Error.hpp>
 #include <memory>
 #include <stdexcept>
 
 #include "support/temporary_folder.hpp"
-#include "tools/command_line.hpp"
 #include "tools/map_file.hpp"
 
 namespace flight_corridor::tools {
@@ -61,7 +61,7 @@ TEST_F(MapFileTest, AnEmptyMapIsAnEmptyFileThatCanBeRead) {
 
 TEST_F(MapFileTest, AnotherExtensionIsAWrongCommandLine) {
   for (const char* name : {"map.pcd", "map", "map.ot.gz"}) {
-    EXPECT_THROW(writeMap(folder.path(name), tree), UsageError) << name;
+    EXPECT_THROW(writeMap(folder.path(name), tree), CLI::ValidationError) << name;
   }
 }
 

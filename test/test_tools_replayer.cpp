@@ -9,6 +9,7 @@
 
 #include "ros/conversions.hpp"
 #include "support/wall_bag.hpp"
+#include "tools/command_line.hpp"
 #include "tools/csv.hpp"
 #include "tools/map_file.hpp"
 #include "tools/replayer.hpp"
@@ -249,6 +250,46 @@ TEST(ReadConfig, NamesAnUnknownKeyAndAMissingFile) {
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("/no/such.yaml"), std::string::npos) << error.what();
   }
+}
+
+ReplayInput inputFrom(const std::string& arguments) {
+  ReplayInput input;
+  CLI::App app;
+  addOptions(app, input);
+  app.parse("--bag F.bag " + arguments);
+  return input;
+}
+
+TEST(ReplayInput, LeavesToTheBagWhatTheCommandLineDoesNotSay) {
+  const ReplayInput input = inputFrom("");
+  EXPECT_EQ(input.topics.left + input.topics.left_info + input.topics.right + input.topics.right_info, "");
+  EXPECT_EQ(input.topics.range + input.topics.imu, "");
+  EXPECT_EQ(input.reading.images, ImageState::AsNamed);
+  EXPECT_FALSE(input.reading.T_F_L);
+  EXPECT_FALSE(input.reading.by_stamps);
+}
+
+TEST(ReplayInput, TakesTheLidarsPlaceInOneWordAsStaticTransformPublisherTurns) {
+  const auto T_F_L = inputFrom("--lidar-at '-0.1 0  0.05 1.5708 0 -0.2'").reading.T_F_L;
+  ASSERT_TRUE(T_F_L);
+  EXPECT_EQ(T_F_L->translation(), Eigen::Vector3d(-0.1, 0.0, 0.05));
+  EXPECT_NEAR((T_F_L->linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 0.0, 1e-4);
+  for (const char* text : {"1 2 3", "1 2 3 4 5 6 7", "1 2 3 4 5 nan", "1 2 3 4 5 x", ""}) {
+    EXPECT_THROW(inputFrom("--lidar-at '" + std::string(text) + "'"), CLI::ParseError) << text;
+  }
+}
+
+TEST(ReplayInput, EachCalibrationFileHasItsOwnOption) {
+  const BagReading reading = inputFrom("--calib l.yaml --calib=r.yaml --calib-left cam2 --raw").reading;
+  EXPECT_EQ(reading.calibration_files, (std::vector<std::string>{"l.yaml", "r.yaml"}));
+  EXPECT_EQ(reading.cameras.left, "cam2");
+  EXPECT_EQ(reading.images, ImageState::Raw);
+  EXPECT_THROW(inputFrom("--calib l.yaml r.yaml"), CLI::ParseError);
+}
+
+TEST(ReplayInput, RefusesOptionsThatContradictOrLackEachOther) {
+  EXPECT_THROW(inputFrom("--raw --rectified"), CLI::ExcludesError);
+  EXPECT_THROW(inputFrom("--calib-right cam0"), CLI::RequiresError);
 }
 
 }  // namespace

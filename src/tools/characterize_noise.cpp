@@ -12,12 +12,12 @@
 namespace flight_corridor::tools {
 namespace {
 
-constexpr long kFewestSamples = 20;
+constexpr std::size_t kFewestSamples = 20;
 constexpr double kMaxSlowShare = 0.5;  // a ramp gives 0.89; 20 samples of white noise exceed it once in 1000 times
 
 /// @throws std::runtime_error when the samples do not show the noise of a sensor at rest.
 void check(const SampleStatistics& statistics, std::size_t wanted, const std::string& what) {
-  if (statistics.count < static_cast<std::size_t>(kFewestSamples)) {
+  if (statistics.count < kFewestSamples) {
     throw std::runtime_error(what + ": only " + std::to_string(statistics.count) + " samples, needs " +
                              std::to_string(kFewestSamples));
   }
@@ -56,23 +56,20 @@ Samples collect(const StereoBagReader& bag, const flight_corridor_ros::NodeConfi
   return samples;
 }
 
-int characterizeNoise(const CommandLine& options) {
-  const auto wanted = static_cast<std::size_t>(options.integer("samples", kFewestSamples));
-  flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
+void characterizeNoise(const ReplayInput& input, std::size_t wanted) {
+  flight_corridor_ros::NodeConfig config = readConfig(input.config, input.overrides);
   config.core.scale.enabled = false;          // it would pull D_c to d_L
   config.core.fusion.gate_sigma = kInfinity;  // it would refuse the noise's tails
-  const std::string path = options.text("bag");
-  const StereoBagReader bag(path, topicsFrom(options), readingFrom(options));
+  const StereoBagReader bag(input.bag, input.topics, input.reading);
   std::fprintf(stderr, "characterize_noise: %s\n", bag.describe().c_str());
   const Samples samples = collect(bag, config, wanted);
   const SampleStatistics stereo = statistics(samples.stereo_m), lidar = statistics(samples.lidar_m);
-  check(stereo, wanted, path + ": D_c");
-  if (bag.hasRanges()) check(lidar, wanted, path + ": d_L");
+  check(stereo, wanted, input.bag + ": D_c");
+  if (bag.hasRanges()) check(lidar, wanted, input.bag + ": d_L");
 
   std::printf("fusion:\n");
   if (bag.hasRanges()) print("lidar_variance_m2", lidar, "d_L");
   print("stereo_variance_m2", stereo, "D_c");
-  return 0;
 }
 
 }  // namespace
@@ -80,15 +77,14 @@ int characterizeNoise(const CommandLine& options) {
 
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
-  CommandLine options("characterize_noise", "Measures the noise of both ranges from a bag in which nothing moves.");
-  options.required("bag", "F.bag", "static recording")
-      .optional("samples", "N", "samples to use of each range", "150")
-      .optional("config", "C.yaml", "configuration of the node; default: its defaults")
-      .repeatable("set", "key=value", "overrides one key, e.g. stereo/num_disparities_px=64");
-  declareBag(options);
-  options.notes(
+  ReplayInput input;
+  std::size_t samples = 150;
+  CLI::App app("Measures the noise of both ranges from a bag in which nothing moves.", "characterize_noise");
+  addOptions(app, input);
+  app.add_option("--samples", samples, "samples to use of each range")->type_name("N")->check(number(kFewestSamples));
+  app.footer(
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
       "configuration, with scale correction switched off; refuses recordings that moved. stereo_variance_m2 adds to "
-      "what disparity_sigma_px gives.");
-  return runTool(options, argc, argv, [&] { return characterizeNoise(options); });
+      "what\ndisparity_sigma_px gives.");
+  return runTool(app, argc, argv, [&] { characterizeNoise(input, samples); });
 }

@@ -12,9 +12,13 @@
 namespace flight_corridor::tools {
 namespace {
 
+struct Options {
+  std::vector<std::string> results, truths;
+  bool csv = false, fail_on_false_free = false;
+};
+
 Score scoreRecordings(const std::vector<std::string>& results, const std::vector<std::string>& truths) {
-  if (results.empty()) throw UsageError("missing: --result R.csv --truth T.csv");
-  if (results.size() != truths.size()) throw UsageError("--result and --truth must be given equally often");
+  if (results.size() != truths.size()) throw CLI::ValidationError("--result and --truth must be given equally often");
   Score score;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const std::vector<ResultRow> result_rows = readResults(results[i]);
@@ -122,12 +126,11 @@ void printCsv(const Score& score) {
   line.print();
 }
 
-int evaluate(const CommandLine& options) {
-  const Score score = scoreRecordings(options.all("result"), options.all("truth"));
-  options.given("csv") ? printCsv(score) : printTable(score);
+void evaluate(const Options& options) {
+  const Score score = scoreRecordings(options.results, options.truths);
+  options.csv ? printCsv(score) : printTable(score);
   const std::string complaint = falseFreeComplaint(score);
-  if (options.given("fail-on-false-free") && !complaint.empty()) throw std::runtime_error(complaint);
-  return 0;
+  if (options.fail_on_false_free && !complaint.empty()) throw std::runtime_error(complaint);
 }
 
 }  // namespace
@@ -135,16 +138,24 @@ int evaluate(const CommandLine& options) {
 
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
-  CommandLine options("evaluate", "Scores corridor verdicts against truth.");
-  options.repeatable("result", "R.csv", "verdicts, as replay writes them")
-      .repeatable("truth", "T.csv", "truth of the same recording, as simulate writes it")
-      .flag("csv", "print a header and one line of numbers instead of the table")
-      .flag("fail-on-false-free",
-            "exit with 1 when a truly blocked frame was called FREE or has no verdict, or none was scored")
-      .notes(
-          "Truly blocked: the exact box is hit. Truly free: not even the box 0.10 m larger on every side is.\n"
-          "Between the two: borderline, not scored. Several --result --truth pairs are scored together.\n"
-          "simulate's truth is that of the default box, 1.2 m x 0.4 m x 4 m from the camera along its axis: verdicts\n"
-          "on another box do not belong to it.");
-  return runTool(options, argc, argv, [&] { return evaluate(options); });
+  Options options;
+  CLI::App app("Scores corridor verdicts against truth.", "evaluate");
+  app.add_option("--result", options.results, "verdicts, as replay writes them")
+      ->type_name("R.csv")
+      ->required()
+      ->allow_extra_args(false);
+  app.add_option("--truth", options.truths, "truth of the same recording, as simulate writes it")
+      ->type_name("T.csv")
+      ->required()
+      ->allow_extra_args(false);
+  app.add_flag("--csv", options.csv, "print a header and one line of numbers instead of the table");
+  app.add_flag("--fail-on-false-free", options.fail_on_false_free,
+               "exit with 1 when a truly blocked frame was called FREE or has no\n"
+               "verdict, or none was scored");
+  app.footer(
+      "Truly blocked: the exact box is hit. Truly free: not even the box 0.10 m larger on every side is.\n"
+      "Between the two: borderline, not scored. Several --result --truth pairs are scored together.\n"
+      "simulate's truth is that of the default box, 1.2 m x 0.4 m x 4 m from the camera along its axis: verdicts\n"
+      "on another box do not belong to it.");
+  return runTool(app, argc, argv, [&] { evaluate(options); });
 }

@@ -18,22 +18,13 @@ namespace {
 
 constexpr double kWaySpare_m = 0.3;  // a way exists where the corridor is so much narrower and lower
 
-std::string lines(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  return text;
-}
-
-sim::ClosedLoopOptions loopOptions(const CommandLine& options, const SpeedConfig& speed) {
+struct Options {
+  std::string world, table, rule = "corridor", lidar_fault = "none", config, video, pictures;
+  std::uint64_t seed = 0;
   sim::ClosedLoopOptions loop;
-  loop.rate_hz = options.number("rate", 1.0, 200.0);
-  loop.image_scale = options.number("image-scale", 0.1, 4.0);
-  loop.baseline_error = options.number("baseline-error", -0.5, 0.5);
-  loop.lidar_fault.kind = sim::lidarFaultFromName(options.text("lidar-fault"));
-  loop.patience_s = options.number("patience", 1.0);
-  loop.speed = speed;
-  return loop;
-}
+  std::vector<std::string> overrides;
+  int threads = 1;
+};
 
 /// For images of another size: the same nearest depth, and no obstacle asked for below 3.5 px at the corridor's end.
 /// With a map that remembers, whatever the configuration says, or without: what turns on the spot turns away from what
@@ -57,50 +48,49 @@ std::string describe(const sim::Primitive& hit) {
                     at_W.y(), at_W.z());
 }
 
-void writeRow(const CommandLine& options, const sim::Flown& flown, bool way_exists) {
-  std::ofstream file(options.text("csv"));
+void writeRow(const Options& options, const sim::Flown& flown, bool way_exists) {
+  std::ofstream file(options.table);
   file << "world,seed,rule,outcome,way_exists,time_s,distance_m,mean_speed_mps,top_speed_mps,waited_s,stops,nearest_m,"
           "hit,stamp,image_scale,lidar_fault,baseline_error,hit_speed_mps,unseen_s\n"
-       << options.text("world") << ',' << options.integer("seed", 0) << ',' << options.text("rule") << ','
-       << sim::toString(flown.ending) << ',' << way_exists
+       << options.world << ',' << options.seed << ',' << options.rule << ',' << sim::toString(flown.ending) << ','
+       << way_exists
        << cv::format(",%.2f,%.2f,%.3f,%.3f,%.2f,%d,%.3f,", flown.time_s, flown.distance_m,
                      flown.distance_m / flown.time_s, flown.top_speed_mps, flown.waited_s, flown.stops, flown.nearest_m)
        << (flown.hit ? describe(*flown.hit) : "") << cv::format(",%.2f,", sim::kFirstStamp_s + flown.time_s)
-       << options.text("image-scale") << ',' << options.text("lidar-fault") << ',' << options.text("baseline-error")
+       << options.loop.image_scale << ',' << options.lidar_fault << ',' << options.loop.baseline_error
        << cv::format(",%.2f,%.2f\n", flown.hit_speed_mps, flown.unseen_s);
-  if (!file.flush()) throw std::runtime_error(options.text("csv") + ": cannot be written");
+  if (!file.flush()) throw std::runtime_error(options.table + ": cannot be written");
 }
 
-int fly(const CommandLine& options) {
-  cv::setNumThreads(static_cast<int>(options.integer("threads", 1)));
-  const auto seed = static_cast<std::uint64_t>(options.integer("seed", 0));
-  const sim::World world = sim::makeWorld(options.text("world"), seed);
-  const Config given = readConfig(options.text("config"), options.all("set")).core;
-  const sim::ClosedLoopOptions loop_options = loopOptions(options, given.speed);
-  sim::ClosedLoop loop(world, loop_options, seed);
-  const Config config = configFor(options.text("rule"), given, loop.calibration(), loop_options.image_scale);
+void fly(Options options) {
+  cv::setNumThreads(options.threads);
+  const sim::World world = sim::makeWorld(options.world, options.seed);
+  const Config given = readConfig(options.config, options.overrides).core;
+  options.loop.lidar_fault.kind = sim::lidarFaultFromName(options.lidar_fault);
+  options.loop.speed = given.speed;
+  sim::ClosedLoop loop(world, options.loop, options.seed);
+  const Config config = configFor(options.rule, given, loop.calibration(), options.loop.image_scale);
   const bool way_exists =
       sim::wayExists(world, config.corridor.width_m + kWaySpare_m, config.corridor.height_m + kWaySpare_m);
 
   sim::CorridorRule corridor(config, loop);
   sim::Rule rule = [&](const sim::Observation& seen) { return corridor.judge(seen); };
-  const bool is_ours = options.text("rule") == "corridor" || options.text("rule") == "newest";
-  if (!is_ours) rule = bench::yardstick(options.text("rule"), loop, config.stereo.num_disparities_px);
-  const std::string name = options.text("world") + "_" + options.text("seed") + "_" + options.text("rule");
-  FlyPictures pictures(loop, name, options.text("video"), loop_options.rate_hz);
-  const bool draws = options.given("video") || options.given("pictures");
+  const bool is_ours = options.rule == "corridor" || options.rule == "newest";
+  if (!is_ours) rule = bench::yardstick(options.rule, loop, config.stereo.num_disparities_px);
+  const std::string name = options.world + "_" + std::to_string(options.seed) + "_" + options.rule;
+  FlyPictures pictures(loop, name, options.video, options.loop.rate_hz);
+  const bool draws = !options.video.empty() || !options.pictures.empty();
   const sim::Flown flown = loop.fly(rule, [&](const sim::Observation& seen, const sim::Way& way) {
     if (draws) pictures.add(seen, way, is_ours ? &corridor.areas() : nullptr, corridor.T_W_F());
   });
   writeRow(options, flown, way_exists);
-  if (options.given("pictures")) {
-    std::filesystem::create_directories(options.text("pictures"));
-    pictures.write(options.text("pictures") + "/" + name + "_" + sim::toString(flown.ending) + ".png",
+  if (!options.pictures.empty()) {
+    std::filesystem::create_directories(options.pictures);
+    pictures.write(options.pictures + "/" + name + "_" + sim::toString(flown.ending) + ".png",
                    flown.hit ? "hit: " + describe(*flown.hit) : sim::toString(flown.ending));
   }
   std::printf("%s: %s after %.1f s and %.1f m, %.2f m/s\n", name.c_str(), sim::toString(flown.ending), flown.time_s,
               flown.distance_m, flown.distance_m / flown.time_s);
-  return 0;
 }
 
 }  // namespace
@@ -108,26 +98,43 @@ int fly(const CommandLine& options) {
 
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
-  CommandLine options("fly", "Flies a simulated quadrotor through a world, by what its stereo rig and LiDAR see.");
-  options.required("world", "NAME", "world to fly through, see --list")
-      .required("csv", "F.csv", "table to write: one line, how the flight went")
-      .optional("seed", "N", "varies the world and the noise", "0")
-      .optional("rule", "NAME", "what decides: corridor (this package), newest (it, without memory), paper or stock",
-                "corridor")
-      .optional("rate", "HZ", "stereo pairs per second, 1 to 200", "10")
-      .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240; 0.1 to 4", "0.5")
-      .optional("baseline-error", "E", "(true - announced) / announced baseline, -0.5 to 0.5", "0")
-      .optional("lidar-fault", "NAME", "fault of the LiDAR, as simulate --list-lidar-faults", "none")
-      .optional("patience", "S", "a flight is given up after so long", "60")
-      .optional("config", "F.yaml",
-                "configuration; image size, rule and quadrotor decide on stereo/num_disparities_px, map/frame_id and "
-                "speed/delay_s, and on the least corridor/smallest_obstacle_m",
-                "")
-      .repeatable("set", "key=value", "override one key of it")
-      .optional("video", "F.avi", "the flight from the camera and from above")
-      .optional("pictures", "DIR", "the last picture of it")
-      .optional("threads", "N", "of this program", "1")
-      .question("list", "print the names of the worlds", [] { return lines(flight_corridor::sim::worldNames()); })
-      .notes("The same options give the same flight.");
-  return runTool(options, argc, argv, [&] { return fly(options); });
+  Options options;
+  CLI::App app("Flies a simulated quadrotor through a world, by what its stereo rig and LiDAR see.", "fly");
+  app.add_option("--world", options.world, "world to fly through, see --list")->type_name("NAME")->required();
+  app.add_option("--csv", options.table, "table to write: one line, how the flight went")
+      ->type_name("F.csv")
+      ->required();
+  app.add_option("--seed", options.seed, "varies the world and the noise")->type_name("N")->check(number(0.0));
+  app.add_option("--rule", options.rule,
+                 "what decides: corridor (this package), newest (it, without memory),\npaper or stock")
+      ->type_name("NAME");
+  app.add_option("--rate", options.loop.rate_hz, "stereo pairs per second, 1 to 200")
+      ->type_name("HZ")
+      ->check(number(1.0, 200.0));
+  app.add_option("--image-scale", options.loop.image_scale, "1 = 640x480, 0.5 = 320x240; 0.1 to 4")
+      ->type_name("S")
+      ->check(number(0.1, 4.0));
+  app.add_option("--baseline-error", options.loop.baseline_error,
+                 "(true - announced) / announced baseline, -0.5 to 0.5")
+      ->type_name("E")
+      ->check(number(-0.5, 0.5));
+  app.add_option("--lidar-fault", options.lidar_fault, "fault of the LiDAR, as simulate --list-lidar-faults")
+      ->type_name("NAME");
+  app.add_option("--patience", options.loop.patience_s, "a flight is given up after so long")
+      ->type_name("S")
+      ->check(number(1.0));
+  app.add_option("--config", options.config,
+                 "configuration; image size, rule and quadrotor decide on\nstereo/num_disparities_px, map/frame_id and "
+                 "speed/delay_s, and on the\nleast corridor/smallest_obstacle_m")
+      ->type_name("F.yaml");
+  app.add_option("--set", options.overrides, "overrides one key of it")
+      ->type_name("key=value")
+      ->allow_extra_args(false);
+  app.add_option("--video", options.video, "the flight from the camera and from above")->type_name("F.avi");
+  app.add_option("--pictures", options.pictures, "folder for the last picture of it")->type_name("DIR");
+  app.add_option("--threads", options.threads, "of this program")->type_name("N")->check(number(1.0));
+  app.add_flag_callback(
+      "--list", [] { answer(flight_corridor::sim::worldNames()); }, "print the names of the worlds");
+  app.footer("The same options give the same flight.");
+  return runTool(app, argc, argv, [&] { fly(options); });
 }

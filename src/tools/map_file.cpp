@@ -1,17 +1,16 @@
 #include "tools/map_file.hpp"
 
+#include <CLI/Error.hpp>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
-
-#include "tools/command_line.hpp"
 
 namespace flight_corridor::tools {
 
 void writeMap(const std::string& path, const octomap::OcTree& tree) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension != ".ot" && extension != ".bt") {
-    throw UsageError(path + ": a map ends in .ot (log-odds) or .bt (free, occupied and unknown)");
+    throw CLI::ValidationError(path + ": a map ends in .ot (log-odds) or .bt (free, occupied and unknown)");
   }
   std::ofstream file(path, std::ios::binary);
   const bool written = file && (extension == ".ot" ? tree.write(file) : tree.writeBinaryConst(file));

@@ -36,25 +36,17 @@ constexpr char kVerdictTopic[] = "/flight_corridor/corridor";
 constexpr std::size_t kChangesShown = 20;
 constexpr double kSlowestVideo_hz = 1.0;  // AVI holds no slower one
 
-PictureOptions pictureOptions(const CommandLine& options, const StereoBagReader& bag) {
-  if (options.given("overlay-every") && !options.given("overlays")) {
-    throw UsageError("--overlay-every needs --overlays, the folder");
-  }
+/// What is written; "" = not.
+struct Outputs {
+  std::string table, verdicts, map;
   PictureOptions pictures;
-  pictures.overlay_folder = options.text("overlays");
-  pictures.overlay_every = static_cast<int>(options.integer("overlay-every", 0));
-  pictures.depth_folder = options.text("depth");
-  pictures.video = options.text("video");
-  pictures.video_frames = bag.leftImages();
-  if (std::isfinite(bag.rate())) pictures.video_rate_hz = std::max(bag.rate(), kSlowestVideo_hz);
-  return pictures;
-}
+};
 
 /// Topics that may be missing must be there when they are named.
-void checkOptionalTopics(const StereoBagReader& bag, const CommandLine& options) {
-  if (options.given("range") && options.text("range") != "none") bag.requireRanges();
-  if (options.given("imu")) bag.requireImu();
-  if (!bag.hasRanges()) std::cerr << "replay: " << options.text("bag") << ": no ranges: stereo alone\n";
+void checkOptionalTopics(const StereoBagReader& bag, const ReplayInput& input) {
+  if (!input.topics.range.empty() && input.topics.range != "none") bag.requireRanges();
+  if (!input.topics.imu.empty()) bag.requireImu();
+  if (!bag.hasRanges()) std::cerr << "replay: " << input.bag << ": no ranges: stereo alone\n";
 }
 
 /// Verdicts as messages in a bag of their own.
@@ -128,54 +120,50 @@ cv::Mat picture(const sensor_msgs::ImageConstPtr& message, double scale) {
 }
 
 /// @throws std::runtime_error when an output would overwrite the bag or the configuration that is being read.
-void keepInput(const CommandLine& options) {
-  namespace fs = std::filesystem;
-  for (const char* output : {"csv", "out", "map", "video"}) {
-    for (const char* input : {"bag", "config"}) {
+void keepInput(const ReplayInput& input, const Outputs& outputs) {
+  for (const std::string& output : {outputs.table, outputs.verdicts, outputs.map, outputs.pictures.video}) {
+    for (const std::string& read : {input.bag, input.config}) {
       std::error_code neither_exists;
-      if (options.given(output) && fs::equivalent(options.text(input), options.text(output), neither_exists)) {
-        throw std::runtime_error("--" + std::string(output) + " " + options.text(output) + ": is the --" + input +
-                                 " to read");
+      if (std::filesystem::equivalent(read, output, neither_exists)) {
+        throw std::runtime_error(output + ": is to be read, and would be overwritten");
       }
     }
   }
 }
 
 /// What the bag holds, and what of it a replay would read.
-int list(const CommandLine& options) {
-  const std::string path = options.text("bag");
+void list(const ReplayInput& input) {
   rosbag::Bag bag;
-  openBag(path, bag);
+  openBag(input.bag, bag);
   std::printf("%s", listTopics(bag).c_str());
   std::string would_read;
   try {
-    would_read = "replay reads: " + StereoBagReader(path, topicsFrom(options), readingFrom(options)).describe();
+    would_read = "replay reads: " + StereoBagReader(input.bag, input.topics, input.reading).describe();
   } catch (const std::runtime_error& error) {
     would_read = "replay does not read it: " + std::string(error.what());
   }
   std::printf("%s\n", would_read.c_str());
-  return 0;
 }
 
-int replay(const CommandLine& options) {
-  if (options.given("list")) return list(options);
-  if (!options.given("csv")) throw UsageError("missing: --csv R.csv");
-  keepInput(options);
-  const flight_corridor_ros::NodeConfig config = readConfig(options.text("config"), options.all("set"));
-  const std::string path = options.text("bag");
-  const StereoBagReader bag(path, topicsFrom(options), readingFrom(options));
+void replay(const ReplayInput& input, Outputs outputs) {
+  if (outputs.table.empty()) throw CLI::RequiredError("--csv");
+  keepInput(input, outputs);
+  const flight_corridor_ros::NodeConfig config = readConfig(input.config, input.overrides);
+  const StereoBagReader bag(input.bag, input.topics, input.reading);
   std::cerr << "replay: " << bag.describe() << "\n";
-  checkOptionalTopics(bag, options);
-  Pictures pictures(pictureOptions(options, bag));
+  checkOptionalTopics(bag, input);
+  outputs.pictures.video_frames = bag.leftImages();
+  if (std::isfinite(bag.rate())) outputs.pictures.video_rate_hz = std::max(bag.rate(), kSlowestVideo_hz);
+  Pictures pictures(outputs.pictures);
   std::optional<VerdictBag> verdicts;
-  if (options.given("out")) verdicts.emplace(options.text("out"), config.core);
+  if (!outputs.verdicts.empty()) verdicts.emplace(outputs.verdicts, config.core);
 
   Replayer replayer(bag, config);
   const auto saveMap = [&] {
-    if (options.given("map")) writeMap(options.text("map"), replayer.map());
+    if (!outputs.map.empty()) writeMap(outputs.map, replayer.map());
   };
   saveMap();  // fails now rather than after the work
-  writeResults(options.text("csv"), {});
+  writeResults(outputs.table, {});
 
   std::vector<ResultRow> rows, changes;
   Progress progress("replay", bag.leftImages());
@@ -188,16 +176,15 @@ int replay(const CommandLine& options) {
     rows.push_back(row);
     progress.advance();
   });
-  requirePairs(path, rows.size(), describeLostPairs(rows.size(), heard, config.ros));
-  writeResults(options.text("csv"), rows);
+  requirePairs(input.bag, rows.size(), describeLostPairs(rows.size(), heard, config.ros));
+  writeResults(outputs.table, rows);
   saveMap();
   if (verdicts) verdicts->close();
 
-  std::printf("%s: %zu stereo pairs\n", path.c_str(), rows.size());
+  std::printf("%s: %zu stereo pairs\n", input.bag.c_str(), rows.size());
   printCounts(rows);
   printChanges(changes);
   printTimes(rows);
-  return 0;
 }
 
 }  // namespace
@@ -205,23 +192,34 @@ int replay(const CommandLine& options) {
 
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
-  CommandLine options("replay", "Runs the corridor pipeline on a bag.");
-  options.required("bag", "F.bag", "bag to read")
-      .optional("csv", "R.csv", "table to write, a line per stereo pair; needed unless --list")
-      .flag("list", "print the bag's topics, type, count and rate, and what would be read, and do no more")
-      .optional("config", "C.yaml", "configuration of the node; default: its defaults")
-      .repeatable("set", "key=value", "overrides one key, e.g. map/frame_id=odom")
-      .optional("out", "G.bag", "bag to write: the verdicts as messages")
-      .optional("map", "M.ot", "file for the last map: .ot with log-odds, .bt with free, occupied and unknown only")
-      .optional(
-          "overlays", "DIR",
-          "folder for pictures of overlay, matched depth (white: matched behind the box, but fits in it as well), "
-          "filled depth and map, one at each change of verdict")
-      .optional("overlay-every", "N", "... and one at every N frames", "0")
-      .optional("depth", "DIR", "folder for corrected depth images, uint16 mm")
-      .optional("video", "V.avi", "video of overlay, depth, the map from above, and the verdicts over time");
-  declareBag(options);
-  options.notes(
+  ReplayInput input;
+  Outputs outputs;
+  bool lists = false;
+  CLI::App app("Runs the corridor pipeline on a bag.", "replay");
+  addOptions(app, input);
+  app.add_option("--csv", outputs.table, "table to write, a line per stereo pair; needed unless --list")
+      ->type_name("R.csv");
+  app.add_flag("--list", lists,
+               "print the bag's topics, type, count and rate, and what would be read,\nand do no more");
+  app.add_option("--out", outputs.verdicts, "bag to write: the verdicts as messages")->type_name("G.bag");
+  app.add_option("--map", outputs.map,
+                 "file for the last map: .ot with log-odds, .bt with free, occupied\nand unknown only")
+      ->type_name("M.ot");
+  CLI::Option* overlays =
+      app.add_option("--overlays", outputs.pictures.overlay_folder,
+                     "folder for pictures of overlay, matched depth (white: matched behind\nthe box, but fits in it as "
+                     "well), filled depth and map, one at each\nchange of verdict")
+          ->type_name("DIR");
+  app.add_option("--overlay-every", outputs.pictures.overlay_every, "... and one at every N frames")
+      ->type_name("N")
+      ->check(number(0.0))
+      ->needs(overlays);
+  app.add_option("--depth", outputs.pictures.depth_folder, "folder for corrected depth images, uint16 mm")
+      ->type_name("DIR");
+  app.add_option("--video", outputs.pictures.video,
+                 "video of overlay, depth, the map from above, and the verdicts over\ntime")
+      ->type_name("V.avi");
+  app.footer(
       "The node's pipeline without a master: the same bag gives the same table, times aside.\n"
       "Images are taken for raw, and rectified, where their CameraInfo or the calibration has distortion or a "
       "rotation\n"
@@ -230,5 +228,5 @@ int main(int argc, char** argv) {
       "one. --calib takes\n" +
       calibrationKinds());
   flight_corridor_ros::keepFreedMemory();
-  return runTool(options, argc, argv, [&] { return replay(options); });
+  return runTool(app, argc, argv, [&] { lists ? list(input) : replay(input, outputs); });
 }

@@ -3,10 +3,9 @@
 #include <ros/console.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <sstream>
 
 #include "ros/values.hpp"
+#include "tools/command_line.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -19,20 +18,8 @@ shell::NodeConfig withoutWaiting(shell::NodeConfig config) {
   return config;
 }
 
-/// "x y z yaw pitch roll", as static_transform_publisher turns: about z, then y, then x.
-Eigen::Isometry3d parseMounting(const std::string& text) {
-  std::istringstream words(text);
-  std::vector<double> numbers;
-  for (std::string word; words >> word;) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0' || !std::isfinite(numbers.back()))
-      throw UsageError("--lidar-at: '" + word + "' is no finite number");
-  }
-  if (numbers.size() != 6) {
-    throw UsageError("--lidar-at: wanted are six numbers, \"X Y Z YAW PITCH ROLL\" (" + std::to_string(numbers.size()) +
-                     ")");
-  }
+/// @param numbers x y z yaw pitch roll, as static_transform_publisher turns: about z, then y, then x.
+Eigen::Isometry3d mounting(const std::vector<double>& numbers) {
   return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) *
          Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *
@@ -54,45 +41,48 @@ shell::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std
   return shell::makeConfig(values);
 }
 
-void declareBag(CommandLine& options) {
-  options.optional("left", "TOPIC", "left image; where it is not named, topics are found by type and name, see --list")
-      .optional("left-info", "TOPIC", "left CameraInfo")
-      .optional("right", "TOPIC", "right image")
-      .optional("right-info", "TOPIC", "right CameraInfo")
-      .optional("range", "TOPIC", "LiDAR (sensor_msgs/Range), or none; may be missing unless named")
-      .optional("imu", "TOPIC", "imu (sensor_msgs/Imu); may be missing unless named")
-      .repeatable("calib", "FILE", "calibration in place of CameraInfos; where each camera has a file: left first")
-      .optional("calib-left", "NAME", "left camera in a calibration of several, e.g. cam2; default: by its rostopic")
-      .optional("calib-right", "NAME", "right camera in it")
-      .flag("raw", "the images are raw: rectify them")
-      .flag("rectified", "the images are rectified, whatever their topic is called")
-      .flag("stamps", "the stamps stand for the times of recording: for a bag that was converted")
-      .optional(
-          "lidar-at", "\"X Y Z YAW PITCH ROLL\"",
-          "where the LiDAR sits, in place of tf: from the left camera x forward, y left, z up [m], beam along its "
-          "+x, angles as static_transform_publisher's [rad]");
-}
-
-StereoTopics topicsFrom(const CommandLine& options) {
-  return {options.text("left"),       options.text("left-info"), options.text("right"),
-          options.text("right-info"), options.text("range"),     options.text("imu")};
-}
-
-BagReading readingFrom(const CommandLine& options) {
-  BagReading reading;
-  reading.calibration_files = options.all("calib");
-  reading.cameras = {options.text("calib-left"), options.text("calib-right")};
-  for (const char* name : {"calib-left", "calib-right"}) {
-    if (options.given(name) && !options.given("calib"))
-      throw UsageError("--" + std::string(name) + " needs --calib, the file");
-  }
-  if (options.given("raw") && options.given("rectified"))
-    throw UsageError("--raw and --rectified contradict each other");
-  if (options.given("raw")) reading.images = ImageState::Raw;
-  if (options.given("rectified")) reading.images = ImageState::Rectified;
-  reading.by_stamps = options.given("stamps");
-  if (options.given("lidar-at")) reading.T_F_L = parseMounting(options.text("lidar-at"));
-  return reading;
+void addOptions(CLI::App& app, ReplayInput& input) {
+  app.add_option("--bag", input.bag, "bag to read")->type_name("F.bag")->required();
+  app.add_option("--config", input.config, "configuration of the node; else its defaults")->type_name("C.yaml");
+  app.add_option("--set", input.overrides, "overrides one key of it, e.g. map/frame_id=odom")
+      ->type_name("key=value")
+      ->allow_extra_args(false);
+  app.option_defaults()->group("Where the bag leaves it open");
+  app.add_option("--left", input.topics.left,
+                 "left image; topics that are not named are found by type and name,\nsee replay --list")
+      ->type_name("TOPIC");
+  app.add_option("--left-info", input.topics.left_info, "left CameraInfo")->type_name("TOPIC");
+  app.add_option("--right", input.topics.right, "right image")->type_name("TOPIC");
+  app.add_option("--right-info", input.topics.right_info, "right CameraInfo")->type_name("TOPIC");
+  app.add_option("--range", input.topics.range, "LiDAR (sensor_msgs/Range), or none; may be missing unless named")
+      ->type_name("TOPIC");
+  app.add_option("--imu", input.topics.imu, "imu (sensor_msgs/Imu); may be missing unless named")->type_name("TOPIC");
+  CLI::Option* calib = app.add_option("--calib", input.reading.calibration_files,
+                                      "calibration in place of CameraInfos; where each camera has a file:\nleft first")
+                           ->type_name("FILE")
+                           ->allow_extra_args(false);
+  app.add_option("--calib-left", input.reading.cameras.left,
+                 "left camera in a calibration of several, e.g. cam2; else by its\nrostopic")
+      ->type_name("NAME")
+      ->needs(calib);
+  app.add_option("--calib-right", input.reading.cameras.right, "right camera in it")->type_name("NAME")->needs(calib);
+  CLI::Option* raw = app.add_flag_callback(
+      "--raw", [&] { input.reading.images = ImageState::Raw; }, "the images are raw: rectify them");
+  app.add_flag_callback(
+         "--rectified", [&] { input.reading.images = ImageState::Rectified; },
+         "the images are rectified, whatever their topic is called")
+      ->excludes(raw);
+  app.add_flag("--stamps", input.reading.by_stamps,
+               "the stamps stand for the times of recording: for a bag that was\nconverted");
+  app.add_option_function<std::vector<double>>(
+         "--lidar-at", [&](const std::vector<double>& numbers) { input.reading.T_F_L = mounting(numbers); },
+         "where the LiDAR sits, in place of tf: from the left camera x forward,\ny left, z up [m], beam along its +x, "
+         "angles as\nstatic_transform_publisher's [rad]")
+      ->option_text("\"X Y Z YAW PITCH ROLL\"")
+      ->expected(6)
+      ->delimiter(' ')
+      ->check(number());
+  app.option_defaults()->group("Options");
 }
 
 Replayer::Replayer(const StereoBagReader& bag, const shell::NodeConfig& config)

@@ -9,8 +9,11 @@
 #include "ros/params.hpp"
 #include "ros/processor.hpp"
 #include "ros/transforms.hpp"
-#include "tools/command_line.hpp"
 #include "tools/stereo_bag_reader.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace flight_corridor::tools {
 
@@ -18,13 +21,16 @@ namespace flight_corridor::tools {
 /// @throws std::invalid_argument naming what is wrong with the file or its keys.
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
-/// Declares --left, --left-info, --right, --right-info, --range and --imu, and what a bag does not hold: --calib,
-/// --raw, --rectified, --stamps and --lidar-at.
-void declareBag(CommandLine& options);
-/// @return what is not named is empty.
-StereoTopics topicsFrom(const CommandLine& options);
-/// @throws UsageError naming an option that contradicts another, or --lidar-at when it is not six numbers.
-BagReading readingFrom(const CommandLine& options);
+/// What is read: a bag, as what, with which configuration.
+struct ReplayInput {
+  std::string bag, config;
+  std::vector<std::string> overrides;
+  StereoTopics topics{"", "", "", "", "", ""};  ///< To be found where the command line does not name them.
+  BagReading reading;
+};
+
+/// Adds the options that fill it: --bag, --config, --set, the topics, and what a bag does not hold.
+void addOptions(CLI::App& app, ReplayInput& input);
 
 /// What became of one pair.
 struct Answer {

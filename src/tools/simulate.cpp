@@ -17,38 +17,18 @@ namespace {
 constexpr double kPoseRate_hz = 100.0;
 constexpr std::size_t kFramesAtOnce = 8;  // rendered in parallel, then written in order
 
-std::string lines(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  return text;
+std::vector<std::string> scenes() {
+  std::vector<std::string> names = sim::sceneNames();
+  for (const std::string& name : sim::shownSceneNames()) names.push_back(name);
+  return names;
 }
 
-std::string sceneLines() { return lines(sim::sceneNames()) + lines(sim::shownSceneNames()); }
-
-std::string familyLines() {
-  std::string text;
+std::vector<std::string> families() {
+  std::vector<std::string> lines;
   for (const sim::Family& family : sim::sceneFamilies()) {
-    text += family.name + "," + sim::toString(family.visibility) + "\n";
+    lines.push_back(family.name + "," + sim::toString(family.visibility));
   }
-  return text;
-}
-
-std::optional<double> numberIfGiven(const CommandLine& options, const std::string& name) {
-  if (!options.given(name)) return std::nullopt;
-  return options.number(name, -kInfinity);
-}
-
-sim::SimulationOptions simulationOptions(const CommandLine& options) {
-  sim::SimulationOptions simulation;
-  simulation.scene = options.text("scene");
-  simulation.seed = static_cast<std::uint64_t>(options.integer("seed", 0));
-  simulation.rate_hz = options.number("rate", 1.0);
-  simulation.image_scale = options.number("image-scale", 0.1);
-  simulation.baseline_error = numberIfGiven(options, "baseline-error");
-  simulation.disparity_offset_px = numberIfGiven(options, "disparity-offset");
-  simulation.yaw_rate_rad_s = options.number("yaw-rate", 0.0) * M_PI / 180.0;
-  simulation.lidar_fault = options.text("lidar-fault");
-  return simulation;
+  return lines;
 }
 
 /// The flight's poses, a little beyond its frames so that every stamp lies between two.
@@ -88,10 +68,10 @@ std::vector<TruthRow> truthRows(const sim::Simulation& simulation) {
   return rows;
 }
 
-int simulate(const CommandLine& options) {
-  const sim::Simulation simulation(simulationOptions(options));
+void simulate(const sim::SimulationOptions& options, const std::string& bag_path, const std::string& truth_path) {
+  const sim::Simulation simulation(options);
   const BagRig rig{simulation.calibration(), simulation.T_B_C(), simulation.T_B_L()};
-  StereoBagWriter bag(options.text("out"), rig, ros::Time(simulation.frameTimes().front() - 1.0 / kPoseRate_hz));
+  StereoBagWriter bag(bag_path, rig, ros::Time(simulation.frameTimes().front() - 1.0 / kPoseRate_hz));
   writePoses(simulation, bag);
   const std::vector<RangeReading> ranges = simulation.ranges();
   for (const RangeReading& reading : ranges) bag.writeRange(ros::Time(reading.stamp_s), reading);
@@ -101,10 +81,8 @@ int simulate(const CommandLine& options) {
   }
   writeFrames(simulation, bag);
   bag.close();
-  writeTruth(options.text("truth"), truthRows(simulation));
-  std::printf("%s: %zu pairs, %zu ranges\n", options.text("out").c_str(), simulation.frameTimes().size(),
-              ranges.size());
-  return 0;
+  writeTruth(truth_path, truthRows(simulation));
+  std::printf("%s: %zu pairs, %zu ranges\n", bag_path.c_str(), simulation.frameTimes().size(), ranges.size());
 }
 
 }  // namespace
@@ -112,25 +90,44 @@ int simulate(const CommandLine& options) {
 
 int main(int argc, char** argv) {
   using namespace flight_corridor::tools;
-  CommandLine options("simulate", "Simulates a flight of the stereo rig and its LiDAR, with exact truth.");
-  options.required("scene", "NAME", "scene to fly through, see --list")
-      .required("out", "F.bag", "bag to write")
-      .required("truth", "T.csv", "truth of the corridor, a line per stereo pair")
-      .optional("seed", "N", "varies positions, speeds, textures and noise", "0")
-      .optional("rate", "HZ", "stereo pairs per second", "30")
-      .optional("image-scale", "S", "1 = 640x480, 0.5 = 320x240", "1")
-      .optional("baseline-error", "E", "(true - announced) / announced baseline; default: the scene's")
-      .optional("disparity-offset", "PX", "measured minus true disparity; default: the scene's")
-      .optional("yaw-rate", "DEG", "also yaws 25 degrees to and fro on the way, at this many a second at most", "0")
-      .optional("lidar-fault", "NAME", "fault of the LiDAR, see --list-lidar-faults", "none")
-      .question("list", "print the names of the scenes", sceneLines)
-      .question("families",
-                "print NAME,KIND of the scenes that are scored: visible, unseeable (FREE has no evidence), too_near "
-                "(for stereo) or "
-                "hidden (no sensor can see it)",
-                familyLines)
-      .question("list-lidar-faults", "print the names of the LiDAR's faults",
-                [] { return lines(flight_corridor::sim::lidarFaultNames()); })
-      .notes("The same options give the same flight.");
-  return runTool(options, argc, argv, [&] { return simulate(options); });
+  flight_corridor::sim::SimulationOptions options;
+  std::string bag, truth;
+  CLI::App app("Simulates a flight of the stereo rig and its LiDAR, with exact truth.", "simulate");
+  app.add_option("--scene", options.scene, "scene to fly through, see --list")->type_name("NAME")->required();
+  app.add_option("--out", bag, "bag to write")->type_name("F.bag")->required();
+  app.add_option("--truth", truth, "truth of the corridor, a line per stereo pair")->type_name("T.csv")->required();
+  app.add_option("--seed", options.seed, "varies positions, speeds, textures and noise")
+      ->type_name("N")
+      ->check(number(0.0));
+  app.add_option("--rate", options.rate_hz, "stereo pairs per second")->type_name("HZ")->check(number(1.0));
+  app.add_option("--image-scale", options.image_scale, "1 = 640x480, 0.5 = 320x240")
+      ->type_name("S")
+      ->check(number(0.1));
+  app.add_option("--baseline-error", options.baseline_error,
+                 "(true - announced) / announced baseline; else the scene's")
+      ->type_name("E")
+      ->check(number());
+  app.add_option("--disparity-offset", options.disparity_offset_px, "measured minus true disparity; else the scene's")
+      ->type_name("PX")
+      ->check(number());
+  app.add_option_function<double>(
+         "--yaw-rate", [&](double rate_deg_s) { options.yaw_rate_rad_s = rate_deg_s * M_PI / 180.0; },
+         "also yaws 25 degrees to and fro on the way, at this many a second at most")
+      ->type_name("DEG")
+      ->default_str("0")
+      ->check(number(0.0));
+  app.add_option("--lidar-fault", options.lidar_fault, "fault of the LiDAR, see --list-lidar-faults")
+      ->type_name("NAME");
+  app.add_flag_callback(
+      "--list", [] { answer(scenes()); }, "print the names of the scenes");
+  app.add_flag_callback(
+      "--families", [] { answer(families()); },
+      "print NAME,KIND of the scenes that are scored: visible, unseeable\n"
+      "(FREE has no evidence), too_near (for stereo) or hidden (no sensor\n"
+      "can see it)");
+  app.add_flag_callback(
+      "--list-lidar-faults", [] { answer(flight_corridor::sim::lidarFaultNames()); },
+      "print the names of the LiDAR's faults");
+  app.footer("The same options give the same flight.");
+  return runTool(app, argc, argv, [&] { simulate(options, bag, truth); });
 }
