@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "flight_corridor/view/overlay.hpp"
+#include "tools/pictures.hpp"
 
 namespace flight_corridor::tools {
 namespace {
@@ -60,13 +61,7 @@ void FlyPictures::add(const sim::Observation& observation, const sim::Way& way, 
   drawCamera(observation, way, areas, T_W_F);
   drawFromAbove(observation, way);
   cv::hconcat(camera_, above_, picture_);
-  if (video_path_.empty()) return;
-  if (!video_.isOpened()) {
-    video_.open(video_path_, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate_hz_,
-                picture_.size());
-  }
-  if (!video_.isOpened()) throw std::runtime_error(video_path_ + ": cannot be written as AVI");
-  video_.write(picture_);
+  if (!video_path_.empty()) addToVideo(picture_, video_path_, rate_hz_, video_);
 }
 
 void FlyPictures::write(const std::string& path, const std::string& caption) {

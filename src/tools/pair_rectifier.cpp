@@ -34,12 +34,9 @@ sensor_msgs::ImagePtr toMessage(const std_msgs::Header& header, const cv::Mat& i
 
 }  // namespace
 
-bool mayBeRaw(ImageState declared, const std::string& topic) {
-  return declared == ImageState::Raw || (declared == ImageState::AsNamed && !isNamedRectified(topic));
-}
-
 bool areRaw(ImageState declared, const std::string& topic, const StereoCameras& cameras) {
-  return declared == ImageState::Raw || (mayBeRaw(declared, topic) && !areRectified(cameras));
+  if (declared != ImageState::AsNamed) return declared == ImageState::Raw;
+  return !isNamedRectified(topic) && !areRectified(cameras);
 }
 
 void PairRectifier::fit(const StereoCameras& cameras) {

@@ -14,7 +14,6 @@ enum class ImageState { AsNamed, Raw, Rectified };
 
 /// Whether a pair's images are to be rectified. Unless declared, they are raw where their cameras differ from rectified
 /// ones and no part of the topic's name begins with "rect" (image_rect, image_rect_color, image_rectified).
-bool mayBeRaw(ImageState declared, const std::string& topic);  ///< As long as nothing is known of the cameras.
 bool areRaw(ImageState declared, const std::string& topic, const StereoCameras& cameras);
 
 /// Rectifies raw pairs as messages, anew for each change of their calibration.

@@ -61,6 +61,14 @@ cv::Mat scaledTo(int height_px, const cv::Mat& picture) {
 
 }  // namespace
 
+void addToVideo(const cv::Mat& picture, const std::string& path, double rate_hz, cv::VideoWriter& video) {
+  if (!video.isOpened()) {
+    video.open(path, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate_hz, picture.size());
+  }
+  if (!video.isOpened()) throw std::runtime_error(path + ": cannot be written as AVI");
+  video.write(picture);
+}
+
 Pictures::Pictures(const PictureOptions& options) : options_(options) {
   if (!options.overlay_folder.empty()) makeFolder(options.overlay_folder);
   if (options.depth_folder.empty()) return;
@@ -127,12 +135,7 @@ void Pictures::writeVideoFrame(const Pipeline& pipeline, const Report& report) {
   cv::hconcat(overlay, panels_, panels_);
   drawVerdicts(verdicts_, options_.video_frames, cv::Size(panels_.cols, kLineHeight_px), line_);
   cv::vconcat(panels_, line_, panels_);
-  if (!video_.isOpened()) {
-    video_.open(options_.video, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
-                options_.video_rate_hz, panels_.size());
-  }
-  if (!video_.isOpened()) throw std::runtime_error(options_.video + ": cannot be written as AVI");
-  video_.write(panels_);
+  addToVideo(panels_, options_.video, options_.video_rate_hz, video_);
 }
 
 }  // namespace flight_corridor::tools

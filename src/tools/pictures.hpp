@@ -21,6 +21,10 @@ struct PictureOptions {
   std::size_t video_frames = 1;  ///< Of the whole recording: the length of the line of verdicts.
 };
 
+/// Adds a picture to an AVI (motion JPEG), which the first one opens.
+/// @throws std::runtime_error naming the file when it cannot be written.
+void addToVideo(const cv::Mat& picture, const std::string& path, double rate_hz, cv::VideoWriter& video);
+
 /// Draws what the pipeline saw into files.
 class Pictures {
  public:

@@ -75,12 +75,14 @@ double squaresBetweenThirds(const std::vector<double>& samples_m, double mean_m)
   return squares_m2;
 }
 
-}  // namespace
-
+/// What truth says of one frame: Blocked when the exact box is hit, Free when not even the inflated one is, and
+/// Unknown, not scored, when only the inflated one is: no sensor could be blamed for either answer.
 State trueState(const TruthRow& row) {
   if (std::isfinite(row.clear_exact_m)) return State::Blocked;
   return std::isfinite(row.clear_inflated_m) ? State::Unknown : State::Free;
 }
+
+}  // namespace
 
 void addRecording(const std::vector<ResultRow>& results, const std::vector<TruthRow>& truth, Score& score) {
   const Results by_stamp = byStamp(results, truth);

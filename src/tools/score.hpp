@@ -7,10 +7,6 @@
 
 namespace flight_corridor::tools {
 
-/// What truth says of one frame: Blocked when the exact box is hit, Free when not even the inflated one is, and
-/// Unknown, not scored, when only the inflated one is: no sensor could be blamed for either answer.
-State trueState(const TruthRow& row);
-
 /// How long the verdict took to follow one change of truth.
 struct Reaction {
   ros::Time stamp;  ///< First frame of the new truth.

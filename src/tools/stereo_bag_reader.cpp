@@ -235,13 +235,14 @@ std::string StereoBagReader::describe() const {
 
 bool StereoBagReader::has(const std::string& topic) const { return typesByTopic(bag_).count(topic) > 0; }
 
+bool StereoBagReader::holds(const std::string& topic, const std::string& type) const {
+  const std::map<std::string, std::string> types = typesByTopic(bag_);
+  const auto found = types.find(topic);
+  return found != types.end() && found->second == type;
+}
+
 /// @return the topic that holds the images of this name.
 std::string StereoBagReader::findImages(const std::string& named) const {
-  const std::map<std::string, std::string> types = typesByTopic(bag_);
-  const auto holds = [&](const std::string& topic, const std::string& type) {
-    const auto found = types.find(topic);
-    return found != types.end() && found->second == type;
-  };
   const std::string compressed = named + "/compressed";
   if (holds(named, typeOf<Image>()) || holds(named, typeOf<CompressedImage>())) return named;
   if (holds(compressed, typeOf<CompressedImage>())) return compressed;
@@ -250,10 +251,7 @@ std::string StereoBagReader::findImages(const std::string& named) const {
 }
 
 void StereoBagReader::requireTopic(const std::string& topic, const std::string& type) const {
-  const std::map<std::string, std::string> types = typesByTopic(bag_);
-  const auto found = types.find(topic);
-  if (found != types.end() && found->second == type) return;
-  failMissing(bag_, "no topic " + topic + " of type " + type);
+  if (!holds(topic, type)) failMissing(bag_, "no topic " + topic + " of type " + type);
 }
 
 void StereoBagReader::readTransforms() {

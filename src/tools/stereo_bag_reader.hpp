@@ -96,6 +96,7 @@ class StereoBagReader {
   class PairBuilder;
 
   bool has(const std::string& topic) const;
+  bool holds(const std::string& topic, const std::string& type) const;
   void forEach(const std::vector<std::string>& topics, const OnMessage& on_message) const;
   void readCalibrationFiles();
   void readCameraInfos();
