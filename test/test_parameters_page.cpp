@@ -119,9 +119,9 @@ void collectConstants(const std::string& folder, std::map<std::string, std::stri
 /// So each constant of the core is either in the table, with its value, or in the list of those that are not tuned.
 TEST(ParametersPage, NamesEveryConstantOfTheCore) {
   std::map<std::string, std::string> constants;
-  for (const char* wing : {"", "/stereo", "/range", "/map", "/corridor", "/geometry"}) {
-    collectConstants(std::string("/include/flight_corridor") + wing, constants);
-    collectConstants(std::string("/src") + wing, constants);
+  for (const char* module : {"", "/stereo", "/range", "/map", "/corridor", "/geometry"}) {
+    collectConstants(std::string("/include/flight_corridor") + module, constants);
+    collectConstants(std::string("/src") + module, constants);
   }
   const std::string page = textOf(kSource + "/doc/parameters.md");
   const std::string by_hand = page.substr(std::min(page.size(), page.find(kConstants)));
