@@ -1,4 +1,4 @@
-"""What is wrong with a running system: each finding is a function from an Observation to sentences."""
+"""Faults of a running system: each finding is a function from an Observation to sentences."""
 
 import math
 from collections import Counter
@@ -11,18 +11,18 @@ SAME_S = 1e-6           # stamps that differ by less are equal
 
 # Bits of CorridorState.reasons that make UNKNOWN, and what to look at.
 REMEDIES = {
-    "UNOBSERVED": "a hole in the box, in which nothing shows it clear: textureless surfaces, plain sky, glare, dusk; "
-                  "or a box beside the view (corridor/frame_id, offset_m)",
+    "UNOBSERVED": "a hole in the box, which no clear ray crosses: textureless surfaces, plain sky, glare, dusk; "
+                  "or a box out of view (corridor/frame_id, offset_m)",
     "NO_DATA": "no pair, or too old: see the images and the clocks",
     "NO_POSE": "tf lacks a frame that the configuration names (map/frame_id, corridor/frame_id)",
     "BAD_IMAGE": "wrong size or encoding, or one camera on both topics: the node's log says which",
     "BAD_CALIBRATION": "CameraInfo is impossible: the node's log says which number",
-    "NO_DISPARITY": "hardly a match: texture, exposure, rectification, a covered lens, left and right exchanged",
+    "NO_DISPARITY": "hardly any match: texture, exposure, rectification, a covered lens, left and right exchanged",
     "RECENTLY_BLOCKED": "something blocked within corridor/hold_s",
-    "FROZEN_IMAGE": "images repeat bit for bit: the camera's driver",
+    "FROZEN_IMAGE": "images are bit-identical to earlier ones: the camera's driver",
     "AMBIGUOUS": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",
-    "WEAK_EVIDENCE": "a small patch of matches in the box: the edge of something textureless, or a mistake",
-    "LIDAR_NEARER": "the LiDAR met something nearer than stereo sees: glass, its mounting in tf, its unit",
+    "WEAK_EVIDENCE": "a small patch of matches in the box: the edge of a textureless obstacle, or a mismatch",
+    "LIDAR_NEARER": "the LiDAR measures less than stereo: glass, its mounting in tf, its unit",
 }
 
 
@@ -208,7 +208,7 @@ def low_rate(seen):
 
 
 def silent_lidar(seen):
-    """One that nobody publishes is none."""
+    """A topic that nobody publishes does not count."""
     if not (seen.lidar and seen.lidar.publishers):
         return []
     if not seen.ranges:
@@ -218,7 +218,7 @@ def silent_lidar(seen):
         return []
     value, low, high = seen.ranges[-1]
     return [f"Every LiDAR reading is refused: the last one is {value:g} m, its message allows {low:g} to {high:g} m. "
-            "See that its driver gives metres, and min_range below max_range."]
+            "Check that its driver sends metres, and min_range below max_range."]
 
 
 def nobody_listens(seen):
@@ -250,5 +250,5 @@ FINDINGS = [no_node, missing_images, stamps_apart, infos_apart, bad_calibration,
 
 
 def examine(seen):
-    """Every sentence that there is to say."""
+    """All findings, as sentences."""
     return [sentence for finding in FINDINGS for sentence in finding(seen)]

@@ -33,8 +33,7 @@ Violations check(const Config& config) {
   Rules map("map"), speed("speed");
   const double box_m = config.corridor.length_m + config.corridor.margin_m;
   map.require(config.map.max_range_m >= std::max(0.0, config.corridor.offset_m.x()) + box_m, "max_range_m",
-              "no less than corridor/length_m + corridor/margin_m + what corridor/offset_m adds ahead",
-              config.map.max_range_m);
+              "no less than corridor/length_m + corridor/margin_m + corridor/offset_m ahead", config.map.max_range_m);
   speed.require(config.speed.margin_m < box_m, "margin_m",
                 "below corridor/length_m + corridor/margin_m, else no speed is ever safe", config.speed.margin_m);
   append(broken, map.broken());

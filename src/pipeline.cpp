@@ -41,8 +41,8 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   if (nearest_m <= kLatestSight * end_m) return;
   std::ostringstream text;
   text << "stereo sees nothing nearer than " << nearest_m << " m, in or beyond the last quarter of the corridor's "
-       << end_m << " m (corridor/length_m): see that the baseline of " << geometry.calibration().baseline_m
-       << " m is right, or search a larger stereo/num_disparities_px";
+       << end_m << " m (corridor/length_m): check that the baseline of " << geometry.calibration().baseline_m
+       << " m is right, or raise stereo/num_disparities_px";
   throw std::invalid_argument(text.str());
 }
 

@@ -199,7 +199,7 @@ TEST_P(RangeSerialNode, AnotherSensorsBytesAreNamedInTheWarning) {
   const Protocol other = GetParam() == Protocol::Tfmini ? Protocol::Lightware : Protocol::Tfmini;
   const auto isNamed = [this] {
     for (const std::string& warning : listener_->warnings) {
-      if (warning.find("bytes came and none is a reading") != std::string::npos) return true;
+      if (warning.find("bytes came, but no reading") != std::string::npos) return true;
     }
     return false;
   };

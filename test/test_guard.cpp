@@ -249,7 +249,7 @@ TEST_F(GuardTest, AVerdictWhoseNumbersAreNoneStops) {
   empty.header.stamp = time.now;
   guard.see(empty, time);
   EXPECT_EQ(speedOf(fly(1.0)), 0.0);
-  EXPECT_TRUE(contains(why, "free_areas breaks its definition")) << why;
+  EXPECT_TRUE(contains(why, "free_areas is malformed")) << why;
 }
 
 TEST_F(GuardTest, StampedCommandsOfAnotherFrameOrTimeAreRefused) {

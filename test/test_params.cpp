@@ -176,7 +176,7 @@ TEST(Params, FilesThatCannotBeReadAreNamed) {
   std::ofstream(folder.path("broken.yaml")) << "corridor: [1, 2";
   EXPECT_TRUE(contains(complaintAboutFile(folder.path("broken.yaml")), "broken.yaml"));
   std::ofstream(folder.path("empty.yaml")) << "";
-  EXPECT_TRUE(contains(complaintAboutFile(folder.path("empty.yaml")), "no map of parameters"));
+  EXPECT_TRUE(contains(complaintAboutFile(folder.path("empty.yaml")), "not a map of parameters"));
 }
 
 TEST(Params, FramesAreNamedAsTf2NamesThem) {

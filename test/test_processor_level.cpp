@@ -22,7 +22,7 @@ TEST_F(ProcessorLevelTest, ALevelCorridorStaysLevelAndAlongTheHeading) {
     inputs.stamp(kStart + ros::Duration(after_s));
     return level.process(messages(inputs)).verdict;
   };
-  EXPECT_EQ(show(0.0).reasons, kNoPose) << "nobody says where up is";
+  EXPECT_EQ(show(0.0).reasons, kNoPose) << "the direction of up is unknown";
   EXPECT_FALSE(level.products());
   const Eigen::AngleAxisd nose_up(0.3, Eigen::Vector3d::UnitX()), left_wing_up(0.4, Eigen::Vector3d::UnitZ());
   const Eigen::Isometry3d T_C_B = opticalFromForward(), T_W_B(T_C_B.inverse() * nose_up * left_wing_up * T_C_B);

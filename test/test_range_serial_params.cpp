@@ -129,7 +129,7 @@ TEST(RangeSerialParams, EveryWrongValueIsNamedWithWhatIsAllowed) {
   }
   complains({{"max_range_m", nan}}, "max_range_m: ");
   complains({{"max_range_m", infinity}}, "max_range_m: ");
-  complains({{"request_hz", 10}}, "request_hz: 0: protocol tfmini cannot be asked (10)");
+  complains({{"request_hz", 10}}, "request_hz: 0: protocol tfmini cannot be polled (10)");
   complains({{"protocol", std::string("lightware")}, {"strength_min", 1}},
             "strength_min: 0: protocol lightware reports no strength (1)");
 }

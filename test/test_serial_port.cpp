@@ -75,7 +75,7 @@ TEST_F(SerialPortTest, APulledPlugClosesThePortAndAnotherOpensIt) {
 
 TEST_F(SerialPortTest, WhatIsNoPortIsNotOpened) {
   std::ofstream(path_) << "12.34\n";
-  EXPECT_EQ(port_.open(path_, 115200), "no serial port");
+  EXPECT_EQ(port_.open(path_, 115200), "not a serial port");
   EXPECT_EQ(port_.open(folder_.path("missing"), 115200), "No such file or directory");
   EXPECT_NE(port_.open(folder_.path(""), 115200), "");
   EXPECT_FALSE(port_.isOpen());

@@ -22,10 +22,10 @@ TEST(StampAge, HoursAreSaidAsHours) {
 
 TEST(StampAge, AWrongTimeZoneIsGuessed) {
   for (const double age_s : {-3600.2, 3599.0, -7200.0, 19800.0, 36000.1, 50400.0}) {
-    EXPECT_TRUE(contains(clockRemedy(age_s), "local time for UTC")) << age_s;
+    EXPECT_TRUE(contains(clockRemedy(age_s), "local time as UTC")) << age_s;
   }
   for (const double age_s : {0.7, -2.0, 3500.0, -1000.0, 1.7e9, 54000.0}) {
-    EXPECT_FALSE(contains(clockRemedy(age_s), "local time for UTC")) << age_s;
+    EXPECT_FALSE(contains(clockRemedy(age_s), "local time as UTC")) << age_s;
     EXPECT_TRUE(contains(clockRemedy(age_s), "synchronise the clocks")) << age_s;
   }
 }

@@ -97,7 +97,7 @@ TEST(StereoGeometry, RefusesABaselineInAnotherUnitAndNamesTheUnit) {
   EXPECT_TRUE(names(complaint(193.001), "193.001 m")) << complaint(193.001);
   EXPECT_TRUE(names(complaint(0.00012), "baseline")) << "kilometres";
   EXPECT_TRUE(names(complaint(-0.12), "exchanged")) << complaint(-0.12);
-  EXPECT_TRUE(names(complaint(0.0), "one place")) << complaint(0.0);
+  EXPECT_TRUE(names(complaint(0.0), "the same position")) << complaint(0.0);
   EXPECT_TRUE(names(complaint(kNaN), "baseline")) << complaint(kNaN);
 }
 

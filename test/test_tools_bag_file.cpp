@@ -31,7 +31,7 @@ TEST_F(BagFileTest, NamesAMissingBag) { EXPECT_EQ(openError(), path() + ": canno
 TEST_F(BagFileTest, NamesAFileThatIsNoBag) {
   for (const char* text : {"", "#ROS", "stamp,state\n"}) {
     std::ofstream(path()) << text;
-    EXPECT_EQ(openError(), path() + ": cannot be read: is no bag");
+    EXPECT_EQ(openError(), path() + ": cannot be read: is not a bag");
   }
 }
 

@@ -123,7 +123,7 @@ TEST_F(CsvTest, TruthComesBackAsWritten) {
 
 TEST_F(CsvTest, CommentsAreSkippedAndLinesStillCounted) {
   const std::string path = write("# why\nstamp,clear_exact,clear_shrunk,clear_inflated\n1,inf,inf,inf\n2,x,inf,inf\n");
-  EXPECT_EQ(error([&] { readTruth(path); }), path + ":4: column 'clear_exact': 'x' is no number");
+  EXPECT_EQ(error([&] { readTruth(path); }), path + ":4: column 'clear_exact': 'x' is not a number");
 }
 
 TEST_F(CsvTest, NamesAMissingFile) {
@@ -162,7 +162,8 @@ TEST_F(CsvTest, NamesALineWithTooFewCells) {
 
 TEST_F(CsvTest, NamesAStampAndAStateThatAreNone) {
   const std::string truth = write("stamp,clear_exact,clear_shrunk,clear_inflated\nsoon,inf,inf,inf\n");
-  EXPECT_EQ(error([&] { readTruth(truth); }), truth + ":2: column 'stamp': 'soon' is no stamp of the form sec.nanosec");
+  EXPECT_EQ(error([&] { readTruth(truth); }),
+            truth + ":2: column 'stamp': 'soon' is not a stamp of the form sec.nanosec");
   const std::string result = write("stamp,state\n1,Free\n");
   EXPECT_EQ(error([&] { readResults(result); }), result + ":2: column 'state': must be FREE, BLOCKED or UNKNOWN");
 }

@@ -129,7 +129,7 @@ TEST_F(FolderTest, NamesAFolderThatIsNotThere) { EXPECT_THROW(readFolder("/no/su
 
 TEST_F(FolderTest, NamesAnImageThatIsEmpty) {
   write("right/000001.png", "");
-  EXPECT_EQ(error(), folder.path("right/000001.png") + ": is no image that can be read");
+  EXPECT_EQ(error(), folder.path("right/000001.png") + ": is not a readable image");
 }
 
 TEST_F(FolderTest, NamesAnImageOfAnotherSize) {
@@ -236,7 +236,8 @@ TEST_F(FolderTest, DoubtsTheUnitOfRanges) {
       << error();
   EXPECT_NE(complaint("1,150\n2,149\n").find("write decimals"), std::string::npos) << error();
   EXPECT_NE(complaint("1,1e9\n").find("in which unit?"), std::string::npos) << error();
-  EXPECT_NE(complaint("1,320 m\n").find(":2: column 'range_m': '320 m' is no number: leave 'm' out"), std::string::npos)
+  EXPECT_NE(complaint("1,320 m\n").find(":2: column 'range_m': '320 m' is not a number: leave 'm' out"),
+            std::string::npos)
       << error();
   EXPECT_NE(complaint("1,3.2mm\n").find("leave 'mm' out"), std::string::npos) << error();
   EXPECT_NE(complaint("1,3200\n", "stamp_s,range_mm").find("Wanted are metres under this name"), std::string::npos)

@@ -104,7 +104,7 @@ TEST_F(LostPairsTest, AdvisesNoSettingForClocksThatDiffer) {
 TEST_F(LostPairsTest, NamesTheQueueWhereStampsAreEqual) {
   EXPECT_TRUE(holds(describe(0), "ros/sync_queue (10)")) << describe(0);
   EXPECT_EQ(describe(kImages - 1), "30 of 31 left images found their right image and both CameraInfos");
-  EXPECT_TRUE(holds(describe(kImages - 3), "when a later pair is complete are too late")) << describe(kImages - 3);
+  EXPECT_TRUE(holds(describe(kImages - 3), "after a later pair is complete are too late")) << describe(kImages - 3);
 }
 
 TEST_F(LostPairsTest, OneImageAloneIsDescribedToo) {

@@ -95,7 +95,7 @@ TEST_F(UpDirectionTest, AnImuWithoutAnAttitudeOrAPlaceOrOfAnotherTimeSaysNothing
   testing::internal::CaptureStderr();
   up.add(imu(turned(0, 0, 0), 9.95));
   EXPECT_FALSE(up.find(camera)) << "no mounting";
-  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "nobody says where up is"));
+  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "the direction of up is unknown"));
   place("base_link", "imu_link", turned(0, 0, 0), ros::Time());
   EXPECT_TRUE(up.find(camera));
   camera.stamp += ros::Duration(0.2);

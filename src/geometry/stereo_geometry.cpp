@@ -37,7 +37,7 @@ void requireBaseline(double baseline_m, std::string& faults) {
   std::ostringstream text;
   text << " baseline must be " << kShortestBaseline_m << " to " << kLongestBaseline_m << " m (" << baseline_m << " m"
        << likelyUnit(baseline_m) << (baseline_m < 0.0 ? "; left and right are exchanged" : "")
-       << (baseline_m == 0.0 ? "; both cameras are announced in one place" : "") << ");";
+       << (baseline_m == 0.0 ? "; both cameras have the same position" : "") << ");";
   faults += text.str();
 }
 

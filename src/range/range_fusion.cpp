@@ -28,7 +28,7 @@ Violations check(const FusionConfig& config) {
   rules.require(config.stereo_variance_m2 >= 0.0, "stereo_variance_m2", "not negative", config.stereo_variance_m2);
   rules.require(config.disparity_sigma_px >= 0.0, "disparity_sigma_px", "not negative", config.disparity_sigma_px);
   rules.require(config.stereo_variance_m2 + config.disparity_sigma_px > 0.0, "disparity_sigma_px",
-                "positive where stereo_variance_m2 is 0", config.disparity_sigma_px);
+                "positive if stereo_variance_m2 is 0", config.disparity_sigma_px);
   rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);
   rules.require(config.lasting_s > 0.0, "lasting_s", "positive", config.lasting_s);
   rules.require(config.max_gap_s > 0.0, "max_gap_s", "positive", config.max_gap_s);

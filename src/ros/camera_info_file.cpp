@@ -76,7 +76,7 @@ sensor_msgs::CameraInfo readCameraInfo(const std::string& path) try {
   const sensor_msgs::CameraInfo info = parseCameraInfo({std::istreambuf_iterator<char>(file), {}});
   const bool has_rotation = std::any_of(info.R.begin(), info.R.end(), [](double r) { return r != 0.0; });
   if (has_rotation) return info;
-  throw std::invalid_argument("rectification_matrix is all 0: image_proc would make black images by it");
+  throw std::invalid_argument("rectification_matrix is all 0: image_proc would make black images with it");
 } catch (const std::exception& error) {
   throw std::invalid_argument(path + ": " + error.what());
 }

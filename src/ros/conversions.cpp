@@ -74,7 +74,7 @@ cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
   const int channels = sensor_msgs::image_encodings::numChannels(message.encoding);
   const std::size_t row = std::size_t{2} * static_cast<std::size_t>(channels) * message.width;
   if (message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
-    throw std::invalid_argument("it has fewer bytes than width and height announce");
+    throw std::invalid_argument("it has fewer bytes than its width and height require");
   }
   const cv::Mat bytes(static_cast<int>(message.height), channels * static_cast<int>(message.width), CV_8UC2,
                       const_cast<std::uint8_t*>(message.data.data()), message.step);
@@ -137,7 +137,7 @@ Eigen::Isometry3d toPose(const geometry_msgs::Pose& message) {
   const Eigen::Quaterniond orientation(q.w, q.x, q.y, q.z);
   if (!position.allFinite()) throw std::invalid_argument("pose: the position is not finite");
   if (!(std::abs(orientation.norm() - 1.0) <= kUnitNorm)) {
-    throw std::invalid_argument("pose: the orientation is no unit quaternion, its norm is " +
+    throw std::invalid_argument("pose: the orientation is not a unit quaternion, its norm is " +
                                 std::to_string(orientation.norm()));
   }
   return Eigen::Translation3d(position) * orientation.normalized();

@@ -25,7 +25,7 @@ void GoalDirection::put(const geometry_msgs::Vector3Stamped& message, const ros:
 }
 
 void GoalDirection::refuse(const std::string& why) {
-  if (warning_.due()) ROS_WARN("a goal_direction is refused, the last one stays: %s", why.c_str());
+  if (warning_.due()) ROS_WARN("a goal_direction is refused, the last one is kept: %s", why.c_str());
 }
 
 std::optional<Eigen::Vector3d> GoalDirection::find(const std_msgs::Header& camera) {

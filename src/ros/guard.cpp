@@ -110,8 +110,8 @@ std::string Guard::complaintAbout(const Latest<Message>& latest, const char* top
     return format("stopped: no %s has come. Start the corridor's node, or remap %s to its topic", topic, topic);
   }
   return format(
-      "stopped: %s is %s, outside +-%.2f s (max_age_s). See the rate and latency of the "
-      "corridor's node and the clocks, or raise max_age_s and, as much, that node's speed/delay_s",
+      "stopped: %s is %s, outside +-%.2f s (max_age_s). See the rate and latency of the corridor's node and the "
+      "clocks, or raise max_age_s and, by as much, that node's speed/delay_s",
       topic, describeAge(age_s).c_str(), config_.max_age_s);
 }
 
@@ -167,8 +167,7 @@ double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s
   const FreeAreas& areas = areas_.message;
   why = complaintAbout(areas_, "free_areas", time);
   if (why.empty() && !isComplete(areas)) {
-    why =
-        "stopped: free_areas breaks its definition: arrays of other sizes than rows x columns, or an angle not finite";
+    why = "stopped: free_areas is malformed: arrays of other sizes than rows x columns, or an angle that is not finite";
   }
   if (!why.empty()) return 0.0;
   const double step_rad = stepOf(areas);

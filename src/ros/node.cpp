@@ -150,7 +150,7 @@ void Node::guard() {
   publishers_.publishVerdict(header, report);
   publishRefusal(header, report);
   if (silence_warning_.due()) {
-    ROS_WARN("no stereo pair answered for %.1f s: UNKNOWN. %s", silent_s, stereo_.explainSilence(silent_s).c_str());
+    ROS_WARN("no verdict on a stereo pair for %.1f s: UNKNOWN. %s", silent_s, stereo_.explainSilence(silent_s).c_str());
   }
 }
 

@@ -49,8 +49,8 @@ std::string PairWatch::explain(const std::array<std::string, 4>& names, double s
   if (!text.empty()) text += kCalibrate;
   if (!images.empty()) text += "No image on " + images + ". Do driver and rectification run?";
   if (!text.empty()) return text;
-  return "All came, but with what stamps? Needed are " + stamps + " ones on " + names[kLeft] + ", " + names[kLeftInfo] +
-         ", " + names[kRight] + ", " + names[kRightInfo] + " (ros/approximate_sync)";
+  return "All topics came, but their stamps do not match. Needed are " + stamps + " ones on " + names[kLeft] + ", " +
+         names[kLeftInfo] + ", " + names[kRight] + ", " + names[kRightInfo] + " (ros/approximate_sync)";
 }
 
 }  // namespace flight_corridor_ros

@@ -131,7 +131,7 @@ void Processor::addRange(const sensor_msgs::RangeConstPtr& range) {
     watchLidar(reading);
     rig_->addRange(reading);
   } else if (rig_.hasLidar() && lidar_warning_.due()) {
-    ROS_WARN("ranges of \"%s\" are not used: they are not of the LiDAR's frame", range->header.frame_id.c_str());
+    ROS_WARN("ranges of \"%s\" are not used: they are not in the LiDAR's frame", range->header.frame_id.c_str());
   }
 }
 
@@ -158,7 +158,7 @@ void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
   if (reading.stamp_s - useful_range_s_ < kUseless_s || !range_warning_.due()) return;
   ROS_WARN(
       "every LiDAR reading of the last %.1f s is refused: the last one is %g m, its message allows %g to %g m, lidar/ "
-      "%g to %g m. See that its driver gives metres, min_range below max_range, and NaN only for errors",
+      "%g to %g m. Check that its driver sends metres, min_range below max_range, and NaN only for errors",
       reading.stamp_s - useful_range_s_, reading.range_m, reading.min_range_m, reading.max_range_m, limits.min_range_m,
       limits.max_range_m);
 }
@@ -172,9 +172,8 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
     ROS_WARN(
-        "hardly a pixel is matched (below stereo/min_matched_fraction %g), so nothing is FREE. Bare surfaces, "
-        "exposure, a covered "
-        "lens, images that are not rectified together, or left and right exchanged",
+        "hardly any pixel is matched (below stereo/min_matched_fraction %g), so nothing is FREE. Check for textureless "
+        "surfaces, exposure, a covered lens, images that are not rectified together, or left and right exchanged",
         config_.core.stereo.min_matched_fraction);
   }
 }

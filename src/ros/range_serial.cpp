@@ -116,7 +116,7 @@ void RangeSerial::noticeLoss() {
   trouble_ = port_.lossReason();
   diagnostics_.recordPort(trouble_);
   if (!loss_warning_.due()) return;
-  ROS_WARN("%s is gone: %s. Tried again every %.1f s", config_.port.c_str(), trouble_.c_str(), kOpening_s);
+  ROS_WARN("%s is gone: %s. Trying again every %.1f s", config_.port.c_str(), trouble_.c_str(), kOpening_s);
 }
 
 void RangeSerial::warnOfSilence() {
@@ -131,13 +131,13 @@ std::string RangeSerial::silenceCause() const {
   if (!trouble_.empty()) return trouble_ + ". Check the plug, the name in /dev, and that the user is in group dialout";
   const std::uint64_t bytes = parser_.counts().bytes - heard_bytes_;
   if (bytes > 0) {
-    return std::to_string(bytes) + " bytes came and none is a reading, " +
-           std::to_string(parser_.counts().checksum_errors) + " wrong checksums so far. Check protocol (" +
-           toString(config_.protocol) + ") and baud (" + std::to_string(config_.baud) + ")";
+    return std::to_string(bytes) + " bytes came, but no reading; " + std::to_string(parser_.counts().checksum_errors) +
+           " wrong checksums so far. Check protocol (" + toString(config_.protocol) + ") and baud (" +
+           std::to_string(config_.baud) + ")";
   }
   const bool may_wait = !requestOf(config_.protocol).empty() && config_.request_hz == 0.0;
   return std::string("no byte came. Check power and wiring (its TX to our RX)") +
-         (may_wait ? ", and set request_hz if the sensor speaks on demand" : "");
+         (may_wait ? ", and set request_hz if the sensor sends on demand" : "");
 }
 
 /// Says that for a while no reading was a range, nor "nothing in range".
@@ -151,7 +151,7 @@ void RangeSerial::watchUse() {
   const std::string cause = is_useless ? useCause(readings_.back()) : "";
   diagnostics_.recordUse(cause);
   if (!is_useless || !use_warning_.due()) return;
-  ROS_WARN("no reading from %s has had a range for %.1f s (silence_s: %.1f): %s", config_.port.c_str(), useless_s,
+  ROS_WARN("no reading from %s had a range for %.1f s (silence_s: %.1f): %s", config_.port.c_str(), useless_s,
            config_.silence_s, cause.c_str());
 }
 
@@ -166,13 +166,13 @@ std::string RangeSerial::useCause(const serial::WireReading& reading) const {
     return "the sensor does not answer the Arduino. Check its power and wiring; it may hang: switch it off and on";
   }
   if (reading.strength >= config_.limits.strength_min) {
-    return "the return is overexposed, strength " + written(reading.strength) + ". Something bright is before it";
+    return "the return is overexposed, strength " + written(reading.strength) + ". There is something bright before it";
   }
   const std::string text = "strength " + written(reading.strength) + " is below strength_min (" +
                            written(config_.limits.strength_min) + "). ";
-  return text + (reading.strength == 0.0 ? "A sensor that sends no strength, as Benewake's TF03, needs strength_min 0; "
-                                           "another one may hang: switch it off and on"
-                                         : "Nothing may return, or the lens be dirty; else lower strength_min");
+  return text + (reading.strength == 0.0 ? "A sensor that sends no strength, like Benewake's TF03, needs strength_min "
+                                           "0; another one may hang: switch it off and on"
+                                         : "Perhaps nothing returns, or the lens is dirty; else lower strength_min");
 }
 
 }  // namespace flight_corridor_ros

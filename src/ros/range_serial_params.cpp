@@ -97,7 +97,7 @@ Violations check(const RangeSerialConfig& c) {
   const auto& rates = serial::baudRates();
   require(!c.port.empty(), "port", "a device, e.g. /dev/ttyUSB0", c.port);
   require(std::find(rates.begin(), rates.end(), c.baud) != rates.end(), "baud", baudNames(), c.baud);
-  require(!c.frame_id.empty() && c.frame_id.front() != '/', "frame_id", "a frame's name without a slash before it",
+  require(!c.frame_id.empty() && c.frame_id.front() != '/', "frame_id", "a frame's name without a leading slash",
           c.frame_id);
   require(0.0 < c.field_of_view_rad && c.field_of_view_rad < 1.0, "field_of_view_rad", "above 0, below 1",
           c.field_of_view_rad);
@@ -112,7 +112,7 @@ Violations check(const RangeSerialConfig& c) {
   require(parseWake(c.wake).has_value(), "wake", "bytes, each from 0x00 to 0xFF, or a text", c.wake);
   require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
   require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
-          "0: protocol " + std::string(toString(c.protocol)) + " cannot be asked", c.request_hz);
+          "0: protocol " + std::string(toString(c.protocol)) + " cannot be polled", c.request_hz);
   require(0.1 <= c.silence_s && c.silence_s <= 3600.0, "silence_s", "0.1 to 3600", c.silence_s);
   return broken;
 }

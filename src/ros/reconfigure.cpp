@@ -28,10 +28,10 @@ constexpr std::array<Changeable, 8> kChangeable{{
     {"corridor/height_m", 0.1, 5.0, "[m] height of the corridor's box"},
     {"corridor/length_m", 0.5, 20.0, "[m] D_min: nearer obstacles block"},
     {"corridor/margin_m", 0.0, 2.0, "[m] added on every side and at the end"},
-    {"corridor/smallest_obstacle_m", 0.0, 0.5, "[m] edge of a square: of smaller patches of matches nothing is made"},
-    {"corridor/hold_s", 0.0, 5.0, "[s] after BLOCKED nothing that may be missed is FREE for so long"},
+    {"corridor/smallest_obstacle_m", 0.0, 0.5, "[m] edge of a square: smaller patches of matches are dropped"},
+    {"corridor/hold_s", 0.0, 5.0, "[s] no FREE for this long after an obstacle that images may miss"},
     {"corridor/max_age_s", 0.05, 5.0, "[s] older evidence: UNKNOWN"},
-    {"ros/watchdog_s", 0.1, 5.0, "[s] without a verdict for so long, UNKNOWN is published"},
+    {"ros/watchdog_s", 0.1, 5.0, "[s] after this long without a verdict, UNKNOWN is published"},
 }};
 
 dynamic_reconfigure::DoubleParameter named(const char* key, double value) {
@@ -127,7 +127,7 @@ bool Reconfigure::answer(dynamic_reconfigure::ReconfigureRequest& request,
     config_ = wanted;
     announce();
   } catch (const std::invalid_argument& error) {
-    ROS_WARN("parameters stay as they were: %s", inOneLine(error.what()).c_str());
+    ROS_WARN("parameters are unchanged: %s", inOneLine(error.what()).c_str());
   }
   response.config = toMessage(config_);
   return true;

@@ -66,10 +66,9 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
            calibration.fx_px, calibration.baseline_m, pipeline_->matchingDevice().name.c_str());
   if (!pipeline_->seesFromBlind()) {
     ROS_WARN(
-        "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): what lies between is unobserved, "
-        "which counts against FREE. Search a larger stereo/num_disparities_px (%d), or, where nothing comes so near, "
-        "set "
-        "corridor/blind_m",
+        "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): the space between is unobserved, "
+        "which counts against FREE. Raise stereo/num_disparities_px (%d), or set corridor/blind_m if nothing comes so "
+        "near",
         pipeline_->nearestDepth(), config_.corridor.blind_m, config_.stereo.num_disparities_px);
   }
   const flight_corridor::CorridorConfig& corridor = config_.corridor;
@@ -77,7 +76,7 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   if (smallest_px > 0.0 && smallest_px < kNarrowest_px) {
     ROS_WARN(
         "corridor/smallest_obstacle_m (%.2f m) is %.1f px wide at the corridor's end: such thin obstacles are missed, "
-        "and the verdict is FREE. Give larger images (ros/scale), or a shorter corridor/length_m: %.0f px are needed",
+        "and the verdict is FREE. Use larger images (ros/scale), or a shorter corridor/length_m: %.0f px are needed",
         corridor.smallest_obstacle_m, smallest_px, kNarrowest_px);
   }
 }
@@ -129,9 +128,9 @@ void RigPipeline::findLidar(const StereoGeometry& geometry, const std::string& c
         "ranges of \"%s\" are not used: %s camera \"%s\". Publish its mounting (beam along +x), e.g. with tf2_ros "
         "static_transform_publisher",
         range_frames[0].c_str(),
-        range_frames[0].empty() ? "they name no frame (header.frame_id) that tf could place by"
-        : is_known              ? "the beam does not look where it looks, the"
-                                : "tf knows no pose of it in that of",
+        range_frames[0].empty() ? "they name no frame (header.frame_id), so tf does not connect them with"
+        : is_known              ? "the beam is not within 60 deg of the optical axis of"
+                                : "tf does not connect that frame with",
         camera_frame.c_str());
   }
 }

@@ -26,10 +26,10 @@ std::string describeAge(double age_s) {
 }
 
 std::string clockRemedy(double age_s) {
-  std::string text = "synchronise the clocks of this computer and of whoever stamps (chrony, NTP, PTP)";
+  std::string text = "synchronise the clocks of this computer and of the sender (chrony, NTP, PTP)";
   const double zones = std::round(std::abs(age_s) / kZone_s);
   const bool is_zone = 1.0 <= zones && zones <= 28.0 && std::abs(std::abs(age_s) - zones * kZone_s) <= kNearZone_s;
-  if (is_zone) text += "; by whole half hours: does one of them take local time for UTC?";
+  if (is_zone) text += "; a multiple of half an hour: does one of them use local time as UTC?";
   return text;
 }
 

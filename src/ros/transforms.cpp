@@ -49,7 +49,7 @@ void Transforms::add(const geometry_msgs::TransformStamped& transform, bool is_s
   if (isPossible(transform.header.stamp)) {
     buffer_.setTransform(transform, "flight_corridor", is_static);
   } else if (warning_.due()) {
-    ROS_WARN("tf of \"%s\" in \"%s\" is refused: its stamp, %.0f s, is none", transform.child_frame_id.c_str(),
+    ROS_WARN("tf of \"%s\" in \"%s\" is refused: its stamp, %.0f s, is impossible", transform.child_frame_id.c_str(),
              transform.header.frame_id.c_str(), transform.header.stamp.toSec());
   }
 }

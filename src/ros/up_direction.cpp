@@ -46,10 +46,10 @@ std::optional<Eigen::Vector3d> UpDirection::find(const std_msgs::Header& camera)
   }
   if (warning_.due()) {
     ROS_WARN(
-        "nobody says where up is at %.3f: tf %s \"%s\" (ros/gravity_frame) to \"%s\", and there is no Imu with an "
-        "orientation, and a mounting in tf, within %.1f s. A level corridor (corridor/level) is UNKNOWN, every range "
-        "of scan and obstacle_distance NaN. Publish the attitude, or set ros/gravity_frame to a fixed frame, z up, "
-        "that tf has",
+        "the direction of up is unknown at %.3f: tf %s \"%s\" (ros/gravity_frame) to \"%s\", and there is no Imu with "
+        "an orientation, and a mounting in tf, within %.1f s. A level corridor (corridor/level) is UNKNOWN, and every "
+        "range of scan and obstacle_distance is NaN. Publish the attitude, or set ros/gravity_frame to a fixed frame, "
+        "z up, that tf has",
         camera.stamp.toSec(), tf_knows_it ? "is late from" : "does not connect", gravity_frame_.c_str(),
         camera.frame_id.c_str(), kNear_s);
   }

@@ -109,7 +109,7 @@ std::string describe(const Value& value) { return std::visit(Describe{}, value);
 
 Values readYaml(const std::string& path) try {
   const YAML::Node file = YAML::LoadFile(path);
-  if (!file.IsMap()) throw std::invalid_argument(path + ": no map of parameters");
+  if (!file.IsMap()) throw std::invalid_argument(path + ": not a map of parameters");
   Values values;
   flatten(file, "", kLevels, values);
   return values;

@@ -64,11 +64,11 @@ std::string SerialPort::open(const std::string& path, int baud) {
   close();
   loss_reason_.clear();
   const auto speed = speeds().find(baud);
-  if (speed == speeds().end()) return "no such rate: " + std::to_string(baud) + " baud";
+  if (speed == speeds().end()) return "unsupported baud rate: " + std::to_string(baud) + " baud";
   file_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);  // not waiting for a carrier
   if (file_ < 0) return reasonOf(errno);
   if (!makeRaw(file_, speed->second)) {
-    const std::string reason = isatty(file_) ? reasonOf(errno) : "no serial port";
+    const std::string reason = isatty(file_) ? reasonOf(errno) : "not a serial port";
     close();
     return reason;
   }

@@ -15,7 +15,7 @@ void requireMagic(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot be read");
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  if (begin != magic) throw std::runtime_error(path + ": cannot be read: is no bag");
+  if (begin != magic) throw std::runtime_error(path + ": cannot be read: is not a bag");
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ constexpr char kOwn[] =
     "cx "
     "less cx [px], and the baseline [m]";
 constexpr char kText[] =
-    "Give the YAML file that camera_calibration or OpenCV writes of the same numbers, or take from the projection "
-    "matrices P of left and right, row by row: fx = P_left[0], fy = P_left[5], cx = P_left[2], cy = P_left[6], doffs = "
-    "P_right[2] - cx, baseline [m] = -P_right[3] / fx";
+    "Give the YAML file that camera_calibration or OpenCV writes of the same numbers, or use the projection matrices P "
+    "of left and right, row by row: fx = P_left[0], fy = P_left[5], cx = P_left[2], cy = P_left[6], doffs = P_right[2] "
+    "- cx, baseline [m] = -P_right[3] / fx";
 
 using Reader = StereoCameras (*)(const CalibrationTexts& texts, const ImageFormat& images);
 
@@ -58,7 +58,7 @@ const std::vector<Kind>& kinds() {
       {"an ORB-SLAM settings file",
        {{"\nCamera.fx:"}, {"\nCamera1.fx:"}},
        nullptr,
-       "Where its images are rectified: fx, fy, cx, cy = Camera.fx and so on, doffs = 0, baseline [m] = Camera.bf / "
+       "If its images are rectified: fx, fy, cx, cy = Camera.fx and so on, doffs = 0, baseline [m] = Camera.bf / "
        "Camera.fx"},
       {"a ROS camera calibration", {{"\nprojection_matrix:"}}, readRos, ""},
       {"an OpenCV calibration", {{"%YAML:1.0"}, {"!!opencv-matrix"}, {"<opencv_storage>"}}, readOpenCv, ""},

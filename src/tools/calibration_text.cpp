@@ -63,7 +63,7 @@ Numbers parse(const std::string& key, std::string text, std::size_t count) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));
     if (*end != '\0' || !std::isfinite(numbers.back())) {
-      throw std::runtime_error(key + ": '" + word + "' is no finite number");
+      throw std::runtime_error(key + ": '" + word + "' is not a finite number");
     }
   }
   if (numbers.size() == count) return numbers;
@@ -126,7 +126,7 @@ std::string zedResolution(const Lines& lines, const cv::Size& images) {
     there += (there.empty() ? "" : ", ") + sizeText(resolution.size_px);
   }
   throw std::runtime_error("these images are " + sizeText(images) + ", it is for those of " +
-                           (there.empty() ? "no size" : there) + "; side by side, left and right are to be cut apart");
+                           (there.empty() ? "no size" : there) + "; if left and right are side by side, split them");
 }
 
 /// k1 to k4 without p1, p2 are a fisheye's; else the order is OpenCV's.
@@ -137,7 +137,7 @@ void readZedLens(const Lines& lines, const std::string& section, sensor_msgs::Ca
       is_fisheye ? lines.all(section, {"k1", "k2", "k3", "k4"})
                  : lines.all(section, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"});
   if (is_fisheye && all[3] == 0.0) {
-    throw std::runtime_error(section + "k4: is 0 without p1 and p2: write p1=0 and p2=0 where this is no fisheye");
+    throw std::runtime_error(section + "k4: is 0 without p1 and p2: write p1=0 and p2=0 if this is not a fisheye");
   }
   camera.D = all;
   camera.distortion_model = is_fisheye ? models::EQUIDISTANT : models::RATIONAL_POLYNOMIAL;

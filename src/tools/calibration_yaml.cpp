@@ -41,7 +41,7 @@ std::string yamlOf(const std::string& xml) try {
   }
   return to.releaseAndGetString();
 } catch (const cv::Exception& error) {
-  fail("is no XML that OpenCV wrote: " + error.err);
+  fail("is not XML written by OpenCV: " + error.err);
 }
 
 /// OpenCV begins its files with "%YAML:1.0", which is no YAML.
@@ -63,7 +63,7 @@ void collect(const YAML::Node& node, int depth, Numbers& numbers) {
   } else if (node.IsScalar() && YAML::convert<double>::decode(node, number) && std::isfinite(number)) {
     numbers.push_back(number);
   } else {
-    fail(node.IsScalar() ? "'" + node.Scalar() + "' is no finite number" : "wanted are numbers");
+    fail(node.IsScalar() ? "'" + node.Scalar() + "' is not a finite number" : "wanted are numbers");
   }
 }
 
@@ -113,7 +113,7 @@ void setSize(CameraInfo& camera, cv::Size size) {
 Eigen::Isometry3d poseOf(const Numbers& numbers, const std::string& key) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   const Eigen::Matrix4d matrix = Eigen::Map<const RowMajor>(numbers.data());
-  if (!isRotation(matrix.topLeftCorner<3, 3>())) fail(key + ": is no rotation and translation");
+  if (!isRotation(matrix.topLeftCorner<3, 3>())) fail(key + ": is not a rotation and translation");
   return Eigen::Isometry3d(matrix);
 }
 
@@ -125,9 +125,9 @@ CameraInfo readPinhole(const YAML::Node& yaml, const std::string& distortion_key
                                                         {"equidistant", models::EQUIDISTANT},
                                                         {"none", models::PLUMB_BOB}};
   const std::string camera_model = textAt(yaml, "camera_model"), model = textAt(yaml, "distortion_model");
-  if (camera_model != "pinhole") fail("camera_model '" + camera_model + "' is not read; pinhole is");
+  if (camera_model != "pinhole") fail("camera_model '" + camera_model + "' is not supported; pinhole is");
   if (known.count(model) == 0) {
-    fail("distortion_model '" + model + "' is not read; radtan (radial-tangential), equidistant and none are");
+    fail("distortion_model '" + model + "' is not supported; radtan (radial-tangential), equidistant and none are");
   }
   const Numbers distortion = model == "none" ? Numbers(4) : numbersAt(yaml, distortion_key, 4);
   CameraInfo camera = cameraOf(numbersAt(yaml, "intrinsics", 4), distortion, known.at(model));

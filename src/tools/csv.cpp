@@ -123,12 +123,12 @@ ros::Time parseStamp(const std::string& text) {
   const std::string seconds = text.substr(0, point);
   std::string decimals = point == std::string::npos ? "0" : text.substr(point + 1);
   if (!isDigits(seconds) || !isDigits(decimals) || seconds.size() > 10 || decimals.size() > 9) {
-    throw std::invalid_argument("'" + text + "' is no stamp of the form sec.nanosec");
+    throw std::invalid_argument("'" + text + "' is not a stamp of the form sec.nanosec");
   }
   decimals.resize(9, '0');
   const unsigned long long sec = std::stoull(seconds);
   if (sec > kLatest_s) {
-    throw std::invalid_argument("'" + text + "' is no stamp; wanted are seconds up to " + std::to_string(kLatest_s));
+    throw std::invalid_argument("'" + text + "' is not a stamp; wanted are seconds up to " + std::to_string(kLatest_s));
   }
   return {static_cast<std::uint32_t>(sec), static_cast<std::uint32_t>(std::stoul(decimals))};
 }
@@ -187,7 +187,7 @@ double CsvTable::number(std::size_t row, const std::string& column) const {
   const std::string unit = withoutSpaces(end);
   const bool is_unit = end != cell.c_str() && !unit.empty() && std::all_of(unit.begin(), unit.end(), isLetter);
   fail(row, column,
-       "'" + cell + "' is no number" + (is_unit ? ": leave '" + unit + "' out, in the column's unit" : ""));
+       "'" + cell + "' is not a number" + (is_unit ? ": leave '" + unit + "' out, in the column's unit" : ""));
 }
 
 ros::Time CsvTable::stamp(std::size_t row, const std::string& column) const {

@@ -33,7 +33,7 @@ constexpr double kUsualRanges_m[] = {0.2, 50.0};
 
 cv::Mat readImage(const std::string& path) {
   const cv::Mat image = cv::imread(path, cv::IMREAD_ANYCOLOR);
-  if (image.empty()) fail(path, "is no image that can be read");
+  if (image.empty()) fail(path, "is not a readable image");
   return image;
 }
 
@@ -235,7 +235,7 @@ void readCameras(const std::vector<std::string>& calibration_files, const Folder
   if (are_raw) recording.rectifier = std::make_shared<const Rectifier>(cameras);
   if (!are_raw && cameras.is_rectification_computed && !areRectified(cameras)) {
     fail(calibration_files.front(),
-         "is of raw images only, not how these were rectified: leave out --rectified where they are raw");
+         "is of raw images only, not how these were rectified: leave out --rectified if they are raw");
   }
   const StereoCameras ideal = rectified(cameras);
   recording.rig.calibration = flight_corridor_ros::toCalibration(ideal.left, ideal.right);

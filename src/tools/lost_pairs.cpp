@@ -111,10 +111,10 @@ std::string describeLostPairs(std::size_t pairs, const PairStamps& heard,
   } else if (offset_s > 0.0) {
     remedy = remedyForOffset(offset_s, periodOf(left), pairing);
   } else if (pairs == 0) {
-    remedy = "Messages of one stamp lie further apart in the bag than ros/sync_queue (" +
+    remedy = "Messages with one stamp are farther apart in the bag than ros/sync_queue (" +
              std::to_string(pairing.sync_queue) + ") allows: a larger one pairs them";
   } else if (left_images - pairs > 1) {  // one may wait for its successor when the bag ends
-    remedy = "Partners that come when a later pair is complete are too late, for the node as well";
+    remedy = "Partners that come after a later pair is complete are too late, for the node as well";
   }
   return std::to_string(pairs) + " of " + std::to_string(left_images) +
          " left images found their right image and both CameraInfos" + lacks + (remedy.empty() ? "" : ". " + remedy);

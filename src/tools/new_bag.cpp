@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 NewBag::NewBag(const std::string& path) : path_(path), unfinished_path_(path + ".unfinished") {
   if (fs::exists(path) && !fs::is_regular_file(path)) {
-    throw std::runtime_error(path + ": cannot be written: is no regular file");
+    throw std::runtime_error(path + ": cannot be written: is not a regular file");
   }
   attempt([&] { bag_.open(unfinished_path_, rosbag::bagmode::Write); });
 }

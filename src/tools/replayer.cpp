@@ -54,15 +54,15 @@ void addOptions(CLI::App& app, ReplayInput& input) {
   app.add_option("--left-info", input.topics.left_info, "left CameraInfo")->type_name("TOPIC");
   app.add_option("--right", input.topics.right, "right image")->type_name("TOPIC");
   app.add_option("--right-info", input.topics.right_info, "right CameraInfo")->type_name("TOPIC");
-  app.add_option("--range", input.topics.range, "LiDAR (sensor_msgs/Range), or none; may be missing unless named")
+  app.add_option("--range", input.topics.range, "LiDAR (sensor_msgs/Range), or none; optional unless named")
       ->type_name("TOPIC");
-  app.add_option("--imu", input.topics.imu, "imu (sensor_msgs/Imu); may be missing unless named")->type_name("TOPIC");
+  app.add_option("--imu", input.topics.imu, "imu (sensor_msgs/Imu); optional unless named")->type_name("TOPIC");
   CLI::Option* calib = app.add_option("--calib", input.reading.calibration_files,
-                                      "calibration in place of CameraInfos; where each camera has a file:\nleft first")
+                                      "calibration in place of CameraInfos; if each camera has a file:\nleft first")
                            ->type_name("FILE")
                            ->allow_extra_args(false);
   app.add_option("--calib-left", input.reading.cameras.left,
-                 "left camera in a calibration of several, e.g. cam2; else by its\nrostopic")
+                 "left camera in a calibration of several, e.g. cam2; default: by\nits rostopic")
       ->type_name("NAME")
       ->needs(calib);
   app.add_option("--calib-right", input.reading.cameras.right, "right camera in it")->type_name("NAME")->needs(calib);
@@ -72,11 +72,10 @@ void addOptions(CLI::App& app, ReplayInput& input) {
          "--rectified", [&] { input.reading.images = ImageState::Rectified; },
          "the images are rectified, whatever their topic is called")
       ->excludes(raw);
-  app.add_flag("--stamps", input.reading.by_stamps,
-               "the stamps stand for the times of recording: for a bag that was\nconverted");
+  app.add_flag("--stamps", input.reading.by_stamps, "use the stamps as times of recording, for a converted bag");
   app.add_option_function<std::vector<double>>(
          "--lidar-at", [&](const std::vector<double>& numbers) { input.reading.T_F_L = mounting(numbers); },
-         "where the LiDAR sits, in place of tf: from the left camera x forward,\ny left, z up [m], beam along its +x, "
+         "pose of the LiDAR, in place of tf: from the left camera x forward,\ny left, z up [m], beam along its +x, "
          "angles as\nstatic_transform_publisher's [rad]")
       ->option_text("\"X Y Z YAW PITCH ROLL\"")
       ->expected(6)
@@ -117,8 +116,8 @@ bool Replayer::isFresh(const RecordedPair& pair) {
   if (age_warning_.due()) {
     ROS_WARN(
         "stereo pair of %.3f was recorded %.3f s %s its stamp, more than %.3f s (corridor/max_age_s): UNKNOWN, the "
-        "node would refuse it as well. Synchronise the cameras' clock with the recorder's; where a conversion lost the "
-        "times of recording, --stamps takes the stamps for them",
+        "node would refuse it as well. Synchronise the cameras' clock with the recorder's; if a conversion lost the "
+        "times of recording, --stamps uses the stamps instead",
         pair.header.stamp.toSec(), std::abs(age_s), age_s < 0.0 ? "before" : "after", max_age_s);
   }
   return false;

@@ -143,8 +143,8 @@ class StereoBagReader::PairBuilder {
     const sensor_msgs::ImagePtr image = decompress(*compressed);
     if (image->data.empty() && image_warning_.due()) {
       ROS_WARN(
-          "%s: the image of %.3f cannot be decoded (format \"%s\", %zu bytes): damaged, cut off, or no image of 8 or "
-          "16 bit. Its pair is UNKNOWN",
+          "%s: the image of %.3f cannot be decoded (format \"%s\", %zu bytes): damaged, cut off, or not an image of 8 "
+          "or 16 bit. Its pair is UNKNOWN",
           message.getTopic().c_str(), compressed->header.stamp.toSec(), compressed->format.c_str(),
           compressed->data.size());
     }

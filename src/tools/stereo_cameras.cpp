@@ -76,8 +76,8 @@ void makeRectified(CameraInfo& camera) {
 void requireRotation(const char* side, const CameraInfo::_R_type& numbers) {
   const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
   if (isRotation(R)) return;
-  throw std::invalid_argument(std::string("R of ") + side + (areZero(numbers) ? " is all 0" : " is no rotation") +
-                              ": how the pair is to be turned is not known");
+  throw std::invalid_argument(std::string("R of ") + side + (areZero(numbers) ? " is all 0" : " is not a rotation") +
+                              ": the rotation of the pair is not known");
 }
 
 std::string describeLens(const CameraInfo& camera, const std::string& name) {
@@ -89,7 +89,7 @@ std::string describeLens(const CameraInfo& camera, const std::string& name) {
   const double ratio = camera.K[0] / camera.width;
   if (camera.distortion_model == models::PLUMB_BOB && ratio < kWidestPlumbBob) {
     text << " (warning: " << ratio << " of the width, below " << kWidestPlumbBob
-         << ", is a fisheye's: is its model equidistant? Depths are wrong by the wrong model)";
+         << ", is a fisheye's: is its model equidistant? A wrong model gives wrong depths)";
   }
   return text.str();
 }
@@ -127,7 +127,7 @@ StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left
                                 cameras.right.distortion_model + ")");
   }
   const Eigen::Vector3d t = T_right_left.translation();
-  if (!(t.norm() > 0.0)) throw std::invalid_argument("both cameras are in one place: the baseline is 0 m");
+  if (!(t.norm() > 0.0)) throw std::invalid_argument("both cameras have the same position: the baseline is 0 m");
   const cv::Size size(static_cast<int>(cameras.left.width), static_cast<int>(cameras.left.height));
   cv::Matx33d R, R_left, R_right;
   cv::eigen2cv(Eigen::Matrix3d(T_right_left.linear()), R);
@@ -199,9 +199,9 @@ bool isEquidistant(const CameraInfo& camera) {
   const bool is_known = (model == models::PLUMB_BOB && (count == 4 || count == 5)) ||
                         (model == models::RATIONAL_POLYNOMIAL && (count == 8 || count == 12 || count == 14));
   if (is_known) return false;
-  throw std::invalid_argument("lens model \"" + model + "\" with " + std::to_string(count) +
-                              " coefficients; read are plumb_bob with 4 or 5, rational_polynomial with 8, 12 or 14, "
-                              "equidistant with 4");
+  throw std::invalid_argument(
+      "lens model \"" + model + "\" with " + std::to_string(count) +
+      " coefficients; supported are plumb_bob with 4 or 5, rational_polynomial with 8, 12 or 14, equidistant with 4");
 }
 
 }  // namespace flight_corridor::tools

@@ -25,7 +25,7 @@ std::string degrees(double angle_rad, const char* positive, const char* negative
 }
 
 std::string describe(const AreaGrid& areas) {
-  if (areas.best < 0) return "no way is free";
+  if (areas.best < 0) return "no direction is free";
   const FreeArea& best = areas.areas[static_cast<std::size_t>(areas.best)];
   std::string text = "best:";
   constexpr double kAhead_rad = 0.5 * M_PI / 180.0;  // rounds to no degree

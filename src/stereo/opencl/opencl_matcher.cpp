@@ -31,7 +31,7 @@ auto onDevice(Job&& job) {
 void requireLocalMemory(const MatcherSize& size) {
   const std::size_t needed = opencl::localMemory(size), available = cv::ocl::Device::getDefault().localMemSize();
   if (needed <= available) return;
-  throw DeviceError("OpenCL: an image so wide needs " + std::to_string(needed) +
+  throw DeviceError("OpenCL: so wide an image needs " + std::to_string(needed) +
                     " bytes of local memory, the device has " + std::to_string(available));
 }
 
@@ -58,13 +58,13 @@ struct OpenClMatcher::Device {
       const auto [height, width] = opencl::extentOf(opencl::Buffer(i), size);
       buffers[i].create(height, width, CV_8UC1);
       if (buffers[i].u->handle != nullptr) continue;
-      throw DeviceError("OpenCL: the device gives no memory of " + std::to_string(buffers[i].total()) + " bytes");
+      throw DeviceError("OpenCL: the device cannot allocate " + std::to_string(buffers[i].total()) + " bytes");
     }
     for (const opencl::Step& step : steps) kernels.emplace_back(step.kernel, program);
   }
 
   void upload(const cv::Mat& from, opencl::Buffer to) {
-    if (from.size() != buffers[to].size()) throw DeviceError("OpenCL: the matcher is of another image size");
+    if (from.size() != buffers[to].size()) throw DeviceError("OpenCL: the matcher was made for another image size");
     from.copyTo(buffers[to]);
   }
 
