@@ -14,7 +14,8 @@ REMEDIES = {
     "UNOBSERVED": "a hole in the box, which no clear ray crosses: textureless surfaces, plain sky, glare, dusk; "
                   "or a box out of view (corridor/frame_id, offset_m)",
     "NO_DATA": "no pair, or too old: see the images and the clocks",
-    "NO_POSE": "tf lacks a frame that the configuration names (map/frame_id, corridor/frame_id)",
+    "NO_POSE": "tf lacks a frame that the configuration names (map/frame_id, corridor/frame_id), or the camera is "
+               "beyond the map: the node's log says which",
     "BAD_IMAGE": "wrong size or encoding, or one camera on both topics: the node's log says which",
     "BAD_CALIBRATION": "CameraInfo is impossible: the node's log says which number",
     "NO_DISPARITY": "hardly any match: texture, exposure, rectification, a covered lens, left and right exchanged",

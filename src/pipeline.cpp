@@ -119,7 +119,8 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   std::uint32_t reasons = 0;
   if (!std::isfinite(frame.stamp_s) || frame.stamp_s < newest_stamp_s_) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
-  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
+  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear()) &&
+                        (T_W_C->translation().array().abs() <= farthestCamera(config_.map)).all();
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
 }

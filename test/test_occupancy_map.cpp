@@ -130,7 +130,12 @@ TEST(OccupancyMap, ABeamFreesItsWayAndHitsItsEnd) {
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.05}), Cell::Occupied);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 1.55}), Cell::Free);
   EXPECT_EQ(cellAt(map, {0.05, 0.05, 3.25}), Cell::Unknown);
-  map.insertBeam({0, 0, 0}, {kNaN, 0, 1});  // no harm
+  const std::size_t size = map.tree().size();
+  for (const double far_m : {kNaN, kInfinity, -1e308, 1e308, 1e12, 4000.0}) {
+    map.insertBeam({0, 0, 0}, {far_m, 0, 1});
+    map.insertBeam({far_m, 0, 1}, {0, 0, 0});
+  }
+  EXPECT_EQ(map.tree().size(), size) << "what has no key does no harm";
 }
 
 MapConfig inFixedFrame() {

@@ -107,6 +107,23 @@ TEST(PipelineInputs, AMapInTheWorldNeedsAPose) {
             State::Free);
 }
 
+TEST(PipelineInputs, AMapInTheWorldNeedsAPoseThatItReaches) {
+  Config config;
+  config.map.frame_id = "odom";
+  const double farthest_m = farthestCamera(config.map);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double coordinate_m : {-1e308, -1.01 * farthest_m, 1.01 * farthest_m, 1e308}) {
+      Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
+      Eigen::Isometry3d T_W_C = Eigen::Isometry3d::Identity();
+      T_W_C.translation()[axis] = coordinate_m;
+      EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0), T_W_C).verdict.reasons, kNoPose) << coordinate_m;
+      T_W_C.translation()[axis] = std::copysign(farthest_m, coordinate_m);
+      pipeline.process(wallFrame(kSmallGeometry, 7, 1.1), T_W_C);
+      EXPECT_LT(cellsIn(pipeline.map().tree(), pipeline.box()).clear_distance_m, kInfinity) << T_W_C.translation();
+    }
+  }
+}
+
 TEST(PipelineInputs, APairFromBeforeTheLastOneIsNoData) {
   Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   pipeline.process(wallFrame(kSmallGeometry, 3, 1.0));

@@ -1,5 +1,7 @@
 #include "flight_corridor/map/map_config.hpp"
 
+#include "flight_corridor/map/evidence_tree.hpp"
+
 namespace flight_corridor {
 
 namespace {
@@ -14,8 +16,8 @@ Violations check(const MapConfig& config) {
                 config.resolution_m);
   rules.require(config.max_range_m > config.resolution_m && config.max_range_m <= 100.0, "max_range_m",
                 "above resolution_m, up to 100", config.max_range_m);
-  rules.require(config.max_range_m <= kMostCells * config.resolution_m, "max_range_m", "up to 160 cells of resolution_m",
-                config.max_range_m);
+  rules.require(config.max_range_m <= kMostCells * config.resolution_m, "max_range_m",
+                "up to 160 cells of resolution_m", config.max_range_m);
   rules.require(0.0 < config.hit_fraction && config.hit_fraction <= 1.0, "hit_fraction", "above 0, up to 1",
                 config.hit_fraction);
   rules.require(config.min_hit_points >= 1, "min_hit_points", "1 or more", config.min_hit_points);
@@ -34,6 +36,10 @@ Violations check(const MapConfig& config) {
                 "no less than -log_odds_min, so that one hit makes a free cell occupied", config.log_odds_hit);
   rules.require(config.forget_s > 0.0, "forget_s", "positive", config.forget_s);
   return rules.broken();
+}
+
+double farthestCamera(const MapConfig& config) {
+  return EvidenceTree::kKeyOrigin * config.resolution_m - config.max_range_m;
 }
 
 }  // namespace flight_corridor

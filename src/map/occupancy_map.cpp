@@ -60,8 +60,10 @@ void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T
 }
 
 void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M) {
+  const double reach_m = EvidenceTree::kKeyOrigin * config_.resolution_m;
+  const auto has_key = [&](const Eigen::Vector3d& p_M) { return (p_M.array().abs() < reach_m).all(); };
   octomap::OcTreeKey end;
-  if (!origin_M.allFinite() || !end_M.allFinite() || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
+  if (!has_key(origin_M) || !has_key(end_M) || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
   beam_.reset();
   if (!tree_.computeRayKeys(toOctomap(origin_M), toOctomap(end_M), beam_)) return;
   for (const octomap::OcTreeKey& cell : beam_) add(cell, EvidenceTree::kDepth, config_.log_odds_miss);

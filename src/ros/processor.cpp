@@ -186,6 +186,13 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
     ROS_WARN("tf gave no pose of \"%s\" in \"%s\" (map/frame_id) at %.3f within %.3f s (ros/tf_timeout_s): UNKNOWN",
              header.frame_id.c_str(), map_frame.c_str(), header.stamp.toSec(), config_.ros.tf_timeout_s);
   }
+  const double farthest_m = flight_corridor::farthestCamera(config_.core.map);
+  if (T_W_C && !(T_W_C->translation().array().abs() <= farthest_m).all() && pose_warning_.due()) {
+    ROS_WARN(
+        "the camera is at (%g, %g, %g) m in \"%s\" (map/frame_id), the map reaches %g m from its origin: UNKNOWN. Give "
+        "poses in a frame that begins near the flight",
+        T_W_C->translation().x(), T_W_C->translation().y(), T_W_C->translation().z(), map_frame.c_str(), farthest_m);
+  }
   return T_W_C;
 }
 

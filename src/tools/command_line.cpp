@@ -29,7 +29,7 @@ CLI::Validator number(double minimum, double maximum) {
     double value = 0.0;
     std::ostringstream message;
     if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value)) {
-      message << "'" << text << "' is no finite number";
+      message << "'" << text << "' is not a finite number";
     } else if (value < minimum || value > maximum) {
       message << "must be at " << (value < minimum ? "least " : "most ") << (value < minimum ? minimum : maximum)
               << " (" << text << ")";

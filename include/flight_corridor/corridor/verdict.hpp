@@ -22,7 +22,8 @@ enum Reason : std::uint32_t {
   kUnobserved = 1u << 2,  ///< UNKNOWN: somewhere in the box the smallest obstacle could stand unseen, or too much of it
                           ///< is out of view.
   kNoData = 1u << 3,      ///< UNKNOWN: no stereo pair, or the newest one is too old, or from before the last one.
-  kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is invalid.
+  kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is invalid, or
+                          ///< beyond the map's reach.
   kBadImage = 1u << 5,    ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
   kBadCalibration = 1u << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo that sees nothing before
                               ///< the corridor's last quarter.

@@ -24,4 +24,8 @@ struct MapConfig {
 };
 Violations check(const MapConfig& config);
 
+/// Largest coordinate of a camera in a fixed frame around which OctoMap has a key for every cell within max_range_m
+/// [m].
+double farthestCamera(const MapConfig& config);
+
 }  // namespace flight_corridor

@@ -29,7 +29,7 @@ class OccupancyMap {
   /// @param clears false: hits alone, for an image that may have lost something.
   void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
 
-  /// One beam: misses from origin to end, and a hit in the end's cell.
+  /// One beam: misses from origin to end, and a hit in the end's cell; nothing where one of them has no key.
   void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M);
 
   /// A window that moves with the camera: forgets what lies more than max_range_m beside centre_M on any axis and
