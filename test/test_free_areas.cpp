@@ -47,6 +47,12 @@ TEST(FreeAreas, OfTwoAsNearTheOneWithMoreBesideItIsBetter) {
   EXPECT_EQ(bestArea(marked(".....++.+......"), kAhead, kStep_rad), 6);
 }
 
+TEST(FreeAreas, AGoalMayBeOfAnyLength) {
+  for (const double length : {1e-200, 1e200}) {
+    EXPECT_EQ(bestArea(marked("+++++++++++++++"), length * Eigen::Vector3d(1.0, 0.2, 0.0), kStep_rad), 9) << length;
+  }
+}
+
 TEST(FreeAreas, AGoalThatIsNoneIsAhead) {
   for (const Eigen::Vector3d& none : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNaN, 0.0, 1.0)}) {
     EXPECT_EQ(bestArea(marked("+++++++++++++++"), none, kStep_rad), 7);

@@ -67,6 +67,21 @@ TEST_F(FreeAreasView, TheBestAndTheGoalAreMarked) {
   EXPECT_GT(cv::norm(goal.colRange(400, 500), best.colRange(400, 500), cv::NORM_INF), 0.0);
 }
 
+TEST_F(FreeAreasView, AGoalOfAnyLengthIsMarkedTheSame) {
+  const Eigen::Vector3d goal_C(0.3, 0.0, 1.0);
+  for (const double length : {1e-200, 1e200}) {
+    EXPECT_EQ(cv::norm(draw(length * goal_C), draw(goal_C), cv::NORM_INF), 0.0) << length;
+  }
+}
+
+TEST_F(FreeAreasView, AGoalThatIsNoneOrBesideTheCameraHasNoMark) {
+  const cv::Mat plain = draw();
+  for (const Eigen::Vector3d& none : {Eigen::Vector3d(kNaN, 0.0, 1.0), Eigen::Vector3d(0.0, kInfinity, 1.0),
+                                      Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1.0, 0.0, 1e-310)}) {
+    EXPECT_EQ(cv::norm(draw(none), plain, cv::NORM_INF), 0.0) << none.transpose();
+  }
+}
+
 TEST_F(FreeAreasView, WhatPointsBehindTheCameraIsNotDrawn) {
   box.T_M_F.rotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
   areas.best = 0;

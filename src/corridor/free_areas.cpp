@@ -58,8 +58,8 @@ int bestArea(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double step_ra
     return 0 <= row && row < grid.rows && 0 <= column && column < grid.columns &&
            grid.areas[row * grid.columns + column].verdict.state == State::Free;
   };
-  const bool is_goal = goal_F.allFinite() && goal_F.norm() > 0.0;
-  const Eigen::Vector3d goal = is_goal ? goal_F.normalized() : Eigen::Vector3d::UnitX();
+  const bool is_goal = goal_F.allFinite() && goal_F.stableNorm() > 0.0;
+  const Eigen::Vector3d goal = is_goal ? goal_F.stableNormalized() : Eigen::Vector3d::UnitX();
   int best = -1, best_beside = 0;
   long best_steps = 0;
   double best_rad = kInfinity;

@@ -50,16 +50,20 @@ class Canvas {
     cv::polylines(image_, polygon, true, colour, 2, cv::LINE_AA);
   }
 
+  /// Whether a point is before the camera: what has a pixel.
+  static bool shows(const Eigen::Vector3d& p_C) { return p_C.allFinite() && p_C.z() > kNearestDrawn_m; }
+
   /// Its pixels; none when it reaches behind the camera.
   std::vector<cv::Point> outline(const std::vector<Eigen::Vector3d>& polygon_C) const {
     std::vector<cv::Point> pixels;
     for (const Eigen::Vector3d& p_C : polygon_C) {
-      if (p_C.z() <= kNearestDrawn_m) return {};
+      if (!shows(p_C)) return {};
       pixels.push_back(pixel(p_C));
     }
     return pixels;
   }
 
+  /// Of a point that it shows.
   cv::Point pixel(const Eigen::Vector3d& p_C) const {
     const Eigen::Vector2d pixel = geometry_.project(p_C).cwiseMax(-10000.0).cwiseMin(10000.0);
     return {cvRound(pixel.x()), cvRound(pixel.y())};

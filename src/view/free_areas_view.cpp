@@ -91,12 +91,13 @@ void drawFreeAreas(const cv::Mat& left, const StereoGeometry& geometry, const Bo
     write(out, metres.data(), middle(tiles[i]) + cv::Point(cvRound(-28 * scale), cvRound(10 * scale)), scale, kWhite);
   }
   const int radius_px = std::max(6, cvRound(0.4 * tile_px));
-  if (goal_C && goal_C->z() > 0.0) {
-    diamond(out, canvas.pixel(box_C.T_M_F.translation() + goal_C->normalized() * box_C.size_m.x()), radius_px);
+  if (goal_C) {
+    const Eigen::Vector3d end_C = box_C.T_M_F.translation() + goal_C->stableNormalized() * box_C.size_m.x();
+    if (Canvas::shows(end_C)) diamond(out, canvas.pixel(end_C), radius_px);
   }
   if (areas.best >= 0) {
     const Eigen::Vector3d end_C = endOf(areas.areas[static_cast<std::size_t>(areas.best)], box_C);
-    if (end_C.z() > kNearestDrawn_m) ring(out, canvas.pixel(end_C), radius_px);
+    if (Canvas::shows(end_C)) ring(out, canvas.pixel(end_C), radius_px);
   }
   const double scale = std::max(0.4, out.cols / 900.0);
   write(out, describe(areas), {cvRound(16 * scale), cvRound(32 * scale)}, scale,
