@@ -141,12 +141,12 @@ void fly(Bytes& bytes) {
     checkVerdict(verdict);
     require(verdict.state != State::Free || shown.is_evidence, "what shows nothing is not FREE", verdict);
     require(verdict.state != State::Free || stamp_s >= newest_s, "what is old is not FREE", verdict);
-    if (toCloud(pipeline).size() > 0) filledDepth(pipeline);
     if (!(verdict.reasons & (kNoData | kNoPose | kBadImage))) {
       newest_s = stamp_s;
       before.push_back(shown.frame);
     }
   }
+  if (toCloud(pipeline).size() > 0) filledDepth(pipeline);  // of the last frame: a shorter input ends with another
 }
 
 }  // namespace
