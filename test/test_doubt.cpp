@@ -204,6 +204,23 @@ TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
   EXPECT_FALSE(doubt.isIn(0));
 }
 
+TEST(Doubt, BeforeBoxesThatBeginFartherAwayACompetitorMayStandBehindTheBlindDistance) {
+  Box box = kCorridor;
+  box.T_M_F.translate(Eigen::Vector3d(1.5, 0.0, 0.0));
+  DisparityEvidence evidence = certainWall();
+  evidence.best_px.setTo(2.0f);
+  const cv::Rect patch(kMiddle, cv::Size(20, 8));
+  evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
+  evidence.competitor_farthest(patch).setTo(placeOf(1));
+  evidence.competitor_nearest(patch).setTo(placeOf(25));  // 0.84 m
+  const Fan fan(box, {-0.02, 0.0, 0.02}, {0.0});
+  Doubt doubt(kSmallGeometry);
+  doubt.find(fan, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3), kSmallest_m,
+             workers);
+  EXPECT_TRUE(doubt.isIn(1));
+  for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, false, fan.box(i))) << i;
+}
+
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);

@@ -111,7 +111,8 @@ TEST(Verdict, ALargerPatchNeverGivesABetterState) {
 
 TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
   const CorridorConfig config;
-  for (double Unobserved::*what : {&Unobserved::fraction, &Unobserved::too_near, &Unobserved::end_out_of_view}) {
+  for (double Unobserved::*what :
+       {&Unobserved::fraction, &Unobserved::too_near, &Unobserved::out_of_view, &Unobserved::end_out_of_view}) {
     BoxEvidence evidence = clearBox();
     for (const double value : {1.0, kNaN, kInfinity}) {
       evidence.unobserved.*what = value;
@@ -124,8 +125,10 @@ TEST(Verdict, EveryKindOfWhatIsUnobservedIsEnough) {
   evidence.unobserved.hole_along_m = kInfinity;
   evidence.unobserved.fraction = config.max_unknown_fraction;
   evidence.unobserved.end_out_of_view = 0.3;
-  evidence.unobserved.out_of_view = 0.2;  // near the camera no view is as wide as the box
+  evidence.unobserved.out_of_view = 0.24;  // near the camera no view is as wide as the box
   EXPECT_EQ(reasons(evidence), 0u);
+  evidence.unobserved.out_of_view = 0.26;
+  EXPECT_EQ(reasons(evidence), kUnobserved);
 }
 
 TEST(Verdict, WhatIsFreeBeforeAnObstacleIsBelievedOnlyOfPairsThatWouldBe) {

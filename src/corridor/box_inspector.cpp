@@ -29,10 +29,10 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   };
   questions_.clear();
   for (int i = 0; i < fan.size(); ++i) questions_.push_back({true, is_lidar_valid[i]});
-  if (is_one) {
-    workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : find_railings(); });
-  } else {
-    workers.run(2, [&](int part, int) { part == 0 ? find_patches() : find_holes(); });
+  workers.run(is_one ? 3 : 2, [&](int part, int) {
+    part == 0 ? find_patches() : part == 1 ? find_holes() : find_railings();
+  });
+  if (!is_one) {  // a hole is UNKNOWN already
     for (int i = 0; i < fan.size(); ++i) {
       const auto& patches = evidence_[i].patches;
       const bool is_blocked = std::any_of(patches.begin(), patches.end(),

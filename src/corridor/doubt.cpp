@@ -13,7 +13,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kBands = 8;                 // of rows, or of places, side by side
+constexpr int kBands = 8;                 // of rows, or of disparities, side by side
 constexpr double kInside_px = 0.5;        // so much nearer than the box's end a whole disparity is surely in it
 constexpr double kMostOfObstacle = 0.75;  // its edges are matched on what is behind
 
@@ -28,9 +28,9 @@ struct Doubt::Pixel {
   const std::uint64_t* set;
   double match_px;  // corrected
   bool is_repeated, has_competitor;
-  int farthest, nearest;  // places of competitors
+  int farthest, nearest;  // indices of the competitors' disparities
 
-  bool isInSet(int place) const { return set[place / 64] >> place % 64 & 1u; }
+  bool isInSet(int d) const { return set[d / 64] >> d % 64 & 1u; }
 };
 
 Doubt::Doubt(const StereoGeometry& geometry)
@@ -53,14 +53,16 @@ void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidenc
       for (int i = begin + size * band / kBands; i < last; ++i) visit(i, scratch_[band]);
     });
   };
-  inBands(0, geometry_.size().height, [&](int v, Scratch& scratch) { collectRow(v, correction, scratch); });
+  inBands(0, geometry_.size().height, [&](int v, Scratch& scratch) { markRow(v, correction, scratch); });
   for (const Scratch& scratch : scratch_) {
     for (const int at : scratch.repeated) addRepeated(pixel(at));
   }
-  for (Direction& one : directions_) one.is_doubtful = one.is_open && holdsRepeated(one, smallest_m2);
-  inBands(begin_place_, end_place_, [&](int place, Scratch& scratch) { lookAt(place, smallest_m2, scratch); });
+  for (Direction& one : directions_) one.is_doubtful = one.question.is_open && holdsRepeated(one, smallest_m2);
+  inBands(begin_d_, end_d_, [&](int d, Scratch& scratch) { checkDisparity(d, smallest_m2, scratch); });
   for (std::size_t i = 0; i < directions_.size(); ++i) {
-    const auto found = [&](const Scratch& scratch) { return scratch.boxes[i].is_asked != directions_[i].isAsked(); };
+    const auto found = [&](const Scratch& scratch) {
+      return scratch.boxes[i].is_undecided != directions_[i].isUndecided();
+    };
     directions_[i].is_doubtful |= std::any_of(scratch_.begin(), scratch_.end(), found);
   }
 }
@@ -73,24 +75,26 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
   const double end_m = fan.farthestCorner();
   end_px_ = end_m > 0.0 ? geometry_.disparity(end_m) : kInfinity;
   corrected_px_.resize(static_cast<std::size_t>(8 * evidence.set.channels()));
-  for (std::size_t place = 0; place < corrected_px_.size(); ++place) {
-    const double disparity_px = correction.correct(static_cast<double>(place) + first_px_);
-    corrected_px_[place] = disparity_px > 0.0 ? disparity_px : 0.0;
+  for (std::size_t d = 0; d < corrected_px_.size(); ++d) {
+    const double disparity_px = correction.correct(static_cast<double>(d) + first_px_);
+    corrected_px_[d] = disparity_px > 0.0 ? disparity_px : 0.0;
   }
-  const auto placeFrom = [&](double disparity_px) {
+  const auto indexFrom = [&](double disparity_px) {
     return static_cast<int>(std::lower_bound(corrected_px_.begin(), corrected_px_.end(), disparity_px) -
                             corrected_px_.begin());
   };
-  begin_place_ = placeFrom(end_px_ + kInside_px);
-  end_place_ = std::max(begin_place_, placeFrom(from_px_));
-  bits_.resize(static_cast<std::size_t>(geometry_.size().height) * begin(1, begin_place_));
+  begin_d_ = indexFrom(end_px_ + kInside_px);
+  end_d_ = std::max(begin_d_, indexFrom(from_px_));
+  bits_.resize(static_cast<std::size_t>(geometry_.size().height) * begin(1, begin_d_));
   directions_.resize(fan.size());
+  is_camera_inside_ = true;
   for (int i = 0; i < fan.size(); ++i) {
     Direction& direction = directions_[i];
     direction.T_D_C = fan.box(i).T_M_F.inverse();
+    is_camera_inside_ &=
+        contains(fan.box().size_m, direction.T_D_C.translation() + kTouch_m * Eigen::Vector3d::UnitX());
     direction.is_doubtful = false;
-    direction.is_open = questions[i].is_open;
-    direction.is_lidar_valid = questions[i].is_lidar_valid;
+    direction.question = questions[i];
     direction.repeated_m2.assign(corrected_px_.size(), 0.0);
   }
 }
@@ -98,30 +102,29 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
 void Doubt::prepare(Scratch& scratch) const {
   scratch.repeated.clear();
   scratch.boxes.resize(directions_.size());
-  for (std::size_t i = 0; i < directions_.size(); ++i) scratch.boxes[i].is_asked = directions_[i].isAsked();
-  scratch.direction.resize(static_cast<std::size_t>(geometry_.size().height * wordsOf(geometry_.size().width)));
+  for (std::size_t i = 0; i < directions_.size(); ++i) scratch.boxes[i].is_undecided = directions_[i].isUndecided();
 }
 
-/// Where the boxes are in the image, a place.
+/// Where the boxes are in the image, a disparity.
 void Doubt::findViews() {
   views_.assign(corrected_px_.size(), {});
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     const Box box_C = fan_.box(static_cast<int>(i));
-    for (int place = begin_place_; place < end_place_ && directions_[i].is_open; ++place) {
-      views_[place] |= sectionAt(box_C, geometry_.depth(corrected_px_[place] - kInside_px), geometry_).view;
+    for (int d = begin_d_; d < end_d_ && directions_[i].question.is_open; ++d) {
+      views_[d] |= sectionAt(box_C, geometry_.depth(corrected_px_[d] - kInside_px), geometry_).view;
     }
   }
 }
 
-/// Of a row of the image at a place, in bits_.
-std::ptrdiff_t Doubt::begin(int v, int place) const {
-  const int words = wordsOf(geometry_.size().width), places = end_place_ - begin_place_;
-  return static_cast<std::ptrdiff_t>(v * places + place - begin_place_) * words;
+/// Of a row of the image at a disparity, in bits_.
+std::ptrdiff_t Doubt::begin(int v, int d) const {
+  const int words = wordsOf(geometry_.size().width), disparities = end_d_ - begin_d_;
+  return static_cast<std::ptrdiff_t>(v * disparities + d - begin_d_) * words;
 }
 
-void Doubt::set(int place, int at) {
+void Doubt::mark(int d, int at) {
   const int width = geometry_.size().width, u = at % width;
-  bits_[begin(at / width, place) + u / 64] |= std::uint64_t{1} << u % 64;
+  bits_[begin(at / width, d) + u / 64] |= std::uint64_t{1} << u % 64;
 }
 
 Doubt::Pixel Doubt::pixel(int at) const {
@@ -141,72 +144,71 @@ Eigen::Vector3f Doubt::point(const Pixel& pixel, double disparity_px) const {
   return fan_.T_F_C() * (geometry_.depth(disparity_px) * ray_C).cast<float>();
 }
 
-/// Of competitors on both sides of a box one between, of which nothing is known, may be in it: at the farthest place.
-/// Calls visit(direction, place).
+/// Of competitors on both sides of a box one between, of which nothing is known, may be in it: at the farthest one.
+/// Calls visit(direction, d).
 template <class Visit>
-void Doubt::visitSurrounded(const Pixel& pixel, Scratch& scratch, Visit&& visit) const {
-  const bool is_one = directions_.size() == 1;
-  if (!pixel.has_competitor || !(is_one || corrected_px_[pixel.nearest] >= from_px_)) return;
-  if (pixel.nearest <= begin_place_ || pixel.farthest >= end_place_) return;
+void Doubt::visitBracketed(const Pixel& pixel, Scratch& scratch, Visit&& visit) const {
+  if (!pixel.has_competitor || (is_camera_inside_ && corrected_px_[pixel.nearest] < from_px_)) return;
+  if (pixel.nearest <= begin_d_ || pixel.farthest >= end_d_) return;
   const int width = geometry_.size().width;
   const Eigen::Vector3d ray_C = geometry_.point(pixel.at % width, pixel.at / width, 1.0);
   for (int i = 0; i < static_cast<int>(directions_.size()); ++i) {
-    if (!scratch.boxes[i].is_asked) continue;
+    if (!scratch.boxes[i].is_undecided) continue;
     const Crossing crossing = flight_corridor::crossing(directions_[i].T_D_C, fan_.box().size_m, ray_C);
     if (!crossing.meets()) continue;
     const double exit_px = geometry_.disparity(crossing.exit);
     if (corrected_px_[pixel.farthest] >= exit_px + kInside_px) continue;
     const double entry_px = crossing.entry > 0.0 ? std::min(from_px_, geometry_.disparity(crossing.entry)) : from_px_;
     if (corrected_px_[pixel.nearest] < entry_px || (!pixel.is_repeated && !(pixel.match_px < exit_px))) continue;
-    if (directions_[i].is_lidar_valid && !isMatchIn(i, pixel)) continue;
-    const auto begin = corrected_px_.begin(), end = begin + end_place_;
-    const auto first = std::lower_bound(begin + begin_place_, end, exit_px + kInside_px);
+    if (directions_[i].question.is_lidar_valid && !isMatchIn(i, pixel)) continue;
+    const auto begin = corrected_px_.begin(), end = begin + end_d_;
+    const auto first = std::lower_bound(begin + begin_d_, end, exit_px + kInside_px);
     if (first != end && *first < entry_px) visit(i, static_cast<int>(first - begin));
   }
 }
 
 /// Of pixels that are matched behind a box, and of repeated matches in it: what else is matched in it is for
 /// BoxPatches.
-void Doubt::collectRow(int v, const ScaleCorrection& correction, Scratch& scratch) {
-  std::fill_n(bits_.begin() + begin(v, begin_place_), begin(1, begin_place_), 0);
+void Doubt::markRow(int v, const ScaleCorrection& correction, Scratch& scratch) {
   cv::Rect view;
-  int first_place = end_place_;
-  for (int place = end_place_ - 1; place >= begin_place_; --place) {
-    if (v < views_[place].y || v >= views_[place].br().y) continue;
-    view |= views_[place];
-    first_place = place;
+  int first_d = end_d_;
+  for (int d = end_d_ - 1; d >= begin_d_; --d) {
+    if (v < views_[d].y || v >= views_[d].br().y) continue;
+    view |= views_[d];
+    first_d = d;
   }
-  for (int u = view.x; u < view.br().x; ++u) collect(v * geometry_.size().width + u, first_place, correction, scratch);
+  std::fill(bits_.begin() + begin(v, first_d), bits_.begin() + begin(v, end_d_), 0);
+  for (int u = view.x; u < view.br().x; ++u) markPixel(v * geometry_.size().width + u, first_d, correction, scratch);
 }
 
-void Doubt::collect(int at, int first_place, const ScaleCorrection& correction, Scratch& scratch) {
+void Doubt::markPixel(int at, int first_d, const ScaleCorrection& correction, Scratch& scratch) {
   const int words = evidence_.set.channels() / 8, width = geometry_.size().width;
   const auto* set = evidence_.set.ptr<std::uint64_t>() + static_cast<std::size_t>(at) * words;
   const bool has_competitor = (evidence_.flags.data[at] & kCompetitor) != 0;
-  if (!has_competitor && firstBitFrom(set, words, first_place) >= end_place_) return;
+  if (!has_competitor && firstBitFrom(set, words, first_d) >= end_d_) return;
   const float best_px = evidence_.best_px.ptr<float>()[at], repeated_px = evidence_.repeated_px.ptr<float>()[at];
   matches_px_[at] = correction.correct(std::isnan(repeated_px) ? best_px : repeated_px);
   if (std::isnan(matches_px_[at])) return;
   const Pixel pixel = this->pixel(at);
-  const auto add = [&](int place) {
-    if (isAlternative(pixel, place) && views_[place].contains({at % width, at / width})) this->set(place, at);
+  const auto add = [&](int d) {
+    if (isAlternative(pixel, d) && views_[d].contains({at % width, at / width})) mark(d, at);
   };
-  for (int word = first_place / 64; word < words; ++word) {
-    std::uint64_t bits = bitsTo(bitsFrom(set[word], word, first_place), word, end_place_ - 1);
+  for (int word = first_d / 64; word < words; ++word) {
+    std::uint64_t bits = bitsTo(bitsFrom(set[word], word, first_d), word, end_d_ - 1);
     for (; bits != 0; bits &= bits - 1) add(64 * word + lowestBit(bits));
   }
   if (!has_competitor) return;
   add(pixel.farthest);
   add(pixel.nearest);
   if (pixel.is_repeated) scratch.repeated.push_back(at);
-  visitSurrounded(pixel, scratch, [&](int, int place) { this->set(place, at); });
+  visitBracketed(pixel, scratch, [&](int, int d) { mark(d, at); });
 }
 
-/// Whether a place is one of a pixel's other disparities, where a box may be.
-bool Doubt::isAlternative(const Pixel& pixel, int place) const {
-  const bool is_other = pixel.is_repeated || corrected_px_[place] >= pixel.match_px + kInside_px;
-  const bool is_competitor = pixel.has_competitor && (place == pixel.farthest || place == pixel.nearest);
-  return begin_place_ <= place && place < end_place_ && is_other && (is_competitor || pixel.isInSet(place));
+/// Whether a disparity is one of a pixel's other disparities, where a box may be.
+bool Doubt::isAlternative(const Pixel& pixel, int d) const {
+  const bool is_other = pixel.is_repeated || corrected_px_[d] >= pixel.match_px + kInside_px;
+  const bool is_competitor = pixel.has_competitor && (d == pixel.farthest || d == pixel.nearest);
+  return begin_d_ <= d && d < end_d_ && is_other && (is_competitor || pixel.isInSet(d));
 }
 
 bool Doubt::isMatchIn(int direction, const Pixel& pixel) const {
@@ -215,66 +217,67 @@ bool Doubt::isMatchIn(int direction, const Pixel& pixel) const {
 }
 
 /// Whether an alternative that fits in a direction's box may be there.
-bool Doubt::mayBeIn(int direction, const Pixel& pixel, int place) const {
-  const bool is_behind = pixel.match_px < corrected_px_[place] && !isMatchIn(direction, pixel);
+bool Doubt::mayBeIn(int direction, const Pixel& pixel, int d) const {
+  const bool is_behind = pixel.match_px < corrected_px_[d] && !isMatchIn(direction, pixel);
   if (!is_behind) return pixel.is_repeated;
-  return !directions_[direction].is_lidar_valid || pixel.isInSet(place);
+  return !directions_[direction].question.is_lidar_valid || pixel.isInSet(d);
 }
 
 void Doubt::addRepeated(const Pixel& pixel) {
   if (!isAlternative(pixel, pixel.farthest)) return;
-  const auto place = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
+  const auto d = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
   const double pixel_m2 = std::pow(geometry_.pixelEdge(corrected_px_[pixel.farthest]), 2);
   const Eigen::Vector3f farthest_F = point(pixel, corrected_px_[pixel.farthest] - kInside_px);
   fan_.visit(farthest_F, 0.0f, [&](int direction, const Eigen::Vector3f&) {
-    if (isMatchIn(direction, pixel)) directions_[direction].repeated_m2[place - corrected_px_.begin()] += pixel_m2;
+    Direction& one = directions_[direction];
+    if (one.question.is_open && isMatchIn(direction, pixel)) one.repeated_m2[d - corrected_px_.begin()] += pixel_m2;
   });
 }
 
 /// Whether pixels at one disparity that touch each other cover the smallest obstacle's area, in each direction's box.
-void Doubt::lookAt(int place, double smallest_m2, Scratch& scratch) const {
-  const double smallest_px = smallest_m2 / std::pow(geometry_.pixelEdge(corrected_px_[place]), 2);
+void Doubt::checkDisparity(int d, double smallest_m2, Scratch& scratch) const {
+  const double smallest_px = smallest_m2 / std::pow(geometry_.pixelEdge(corrected_px_[d]), 2);
   const int width = geometry_.size().width;
-  for (Scratch::Box& box : scratch.boxes) box.pixels.clear();
-  const cv::Rect& view = views_[place];
+  for (Scratch::Box& box : scratch.boxes) box.clear();
+  const cv::Rect& view = views_[d];
   if (view.empty()) return;
   const int first_word = view.x / 64, words = wordsOf(view.br().x) - first_word;
-  const BitImage image{bits_.data() + begin(view.y, place) + first_word, begin(1, place) - begin(0, place), view.height,
-                       words};
+  const BitImage image{bits_.data() + begin(view.y, d) + first_word, begin(1, d) - begin(0, d), view.height, words};
   for (const BitPatches::Run& run : scratch.patches.find(image, smallest_px)) {
     const int row = (view.y + run.v) * width + 64 * first_word;
     for (int at = row + run.first_u; at < row + run.end_u; ++at) {
       const Pixel pixel = this->pixel(at);
       const auto add = [&](int direction, const Eigen::Vector3f&) {
         Scratch::Box& box = scratch.boxes[direction];
-        if (box.is_asked && mayBeIn(direction, pixel, place)) box.pixels.push_back(at);
+        if (box.is_undecided && mayBeIn(direction, pixel, d)) box.add(at / width, at % width);
       };
-      if (isAlternative(pixel, place)) fan_.visit(point(pixel, corrected_px_[place] - kInside_px), 0.0f, add);
-      visitSurrounded(pixel, scratch, [&](int direction, int surrounded) {
-        if (surrounded == place) scratch.boxes[direction].pixels.push_back(at);
+      if (isAlternative(pixel, d)) fan_.visit(point(pixel, corrected_px_[d] - kInside_px), 0.0f, add);
+      visitBracketed(pixel, scratch, [&](int direction, int bracketed) {
+        if (bracketed == d) scratch.boxes[direction].add(at / width, at % width);
       });
     }
   }
-  for (Scratch::Box& box : scratch.boxes) box.is_asked = box.is_asked && !holdsPatch(box.pixels, smallest_px, scratch);
+  for (Scratch::Box& box : scratch.boxes) box.is_undecided = box.is_undecided && !holdsPatch(box, smallest_px, scratch);
 }
 
-bool Doubt::holdsPatch(const std::vector<int>& pixels, double smallest_px, Scratch& scratch) const {
-  if (pixels.empty() || static_cast<double>(pixels.size()) < smallest_px) return false;
-  const int width = geometry_.size().width, words = wordsOf(width);
-  const int first_v = pixels.front() / width, rows = pixels.back() / width - first_v + 1;
-  std::fill_n(scratch.direction.begin(), rows * words, 0);
-  for (const int at : pixels) {
-    const int u = at % width;
-    scratch.direction[(at / width - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
+bool Doubt::holdsPatch(const Scratch::Box& box, double smallest_px, Scratch& scratch) const {
+  if (box.pixels == 0 || box.pixels < smallest_px) return false;
+  const int words = wordsOf(geometry_.size().width), first_v = box.runs.front().v;
+  const int rows = box.runs.back().v - first_v + 1;
+  scratch.box_bits.assign(static_cast<std::size_t>(rows * words), 0);
+  for (const BitPatches::Run& run : box.runs) {
+    for (int u = run.first_u; u < run.end_u; ++u) {
+      scratch.box_bits[(run.v - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
+    }
   }
-  return !scratch.patches.find({scratch.direction.data(), words, rows, words}, smallest_px).empty();
+  return !scratch.patches.find({scratch.box_bits.data(), words, rows, words}, smallest_px).empty();
 }
 
 /// Whether repeated matches of one surface, to a pixel, cover most of the smallest obstacle; they need not touch.
 bool Doubt::holdsRepeated(const Direction& direction, double smallest_m2) {
   const std::vector<double>& repeated_m2 = direction.repeated_m2;
-  for (std::size_t place = 1; place + 1 < repeated_m2.size(); ++place) {
-    const double surface_m2 = repeated_m2[place - 1] + repeated_m2[place] + repeated_m2[place + 1];
+  for (std::size_t d = 1; d + 1 < repeated_m2.size(); ++d) {
+    const double surface_m2 = repeated_m2[d - 1] + repeated_m2[d] + repeated_m2[d + 1];
     if (surface_m2 > 0.0 && surface_m2 >= kMostOfObstacle * smallest_m2) return true;
   }
   return false;
@@ -282,14 +285,15 @@ bool Doubt::holdsRepeated(const Direction& direction, double smallest_m2) {
 
 cv::Mat Doubt::image() const {
   cv::Mat shown = cv::Mat::zeros(geometry_.size(), CV_8UC1);
-  for (int place = begin_place_; place < end_place_; ++place) {
+  for (int d = begin_d_; d < end_d_; ++d) {
     for (int at = 0; at < shown.size().area(); ++at) {
       const int u = at % shown.cols;
-      if (!(bits_[begin(at / shown.cols, place) + u / 64] >> u % 64 & 1u)) continue;
+      if (!views_[d].contains({u, at / shown.cols})) continue;
+      if (!(bits_[begin(at / shown.cols, d) + u / 64] >> u % 64 & 1u)) continue;
       const Pixel pixel = this->pixel(at);
-      const Eigen::Vector3f at_F = fan_.turned(0, point(pixel, corrected_px_[place] - kInside_px));
-      const bool is_surrounded = !isAlternative(pixel, place);
-      if (is_surrounded || (fan_.contains(at_F) && mayBeIn(0, pixel, place))) shown.data[at] = 255;
+      const Eigen::Vector3f at_F = fan_.turned(0, point(pixel, corrected_px_[d] - kInside_px));
+      const bool is_bracketed = !isAlternative(pixel, d);
+      if (is_bracketed || (fan_.contains(at_F) && mayBeIn(0, pixel, d))) shown.data[at] = 255;
     }
   }
   return shown;

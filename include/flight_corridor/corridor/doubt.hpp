@@ -35,18 +35,19 @@ class Doubt {
 
   /// Whether there was any in a direction's box.
   bool isIn(int direction) const { return directions_[direction].is_doubtful; }
-  /// CV_8UC1, 255: pixels that may be in the first direction's box.
+  /// CV_8UC1, 255: pixels that may be in the box, of a fan of one.
   cv::Mat image() const;
 
  private:
   /// What may be in a direction's box.
   struct Direction {
     Eigen::Isometry3d T_D_C;
-    bool is_open = false, is_lidar_valid = false, is_doubtful = false;
-    std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their places is right,
-                                      // by the place of the match
+    Question question;
+    bool is_doubtful = false;
+    std::vector<double> repeated_m2;  // of repeated matches that are in the box whichever of their disparities is
+                                      // right, by the index of the match
 
-    bool isAsked() const { return is_open && !is_doubtful; }
+    bool isUndecided() const { return question.is_open && !is_doubtful; }
   };
   /// A pixel whose match may not be the only one.
   struct Pixel;
@@ -54,11 +55,20 @@ class Doubt {
   struct Scratch {
     std::vector<int> repeated;  // pixels
     struct Box {
-      bool is_asked;
-      std::vector<int> pixels;  // that may be in it, at the place that is looked at
+      bool is_undecided;
+      int pixels;                         // that may be in it, at the disparity that is looked at
+      std::vector<BitPatches::Run> runs;  // of these
+
+      void clear() { pixels = 0, runs.clear(); }
+      /// A pixel behind, or again, the last one.
+      void add(int v, int u) {
+        if (runs.empty() || runs.back().v != v || runs.back().end_u < u) runs.push_back({v, u, u});
+        pixels += u + 1 - runs.back().end_u;
+        runs.back().end_u = u + 1;
+      }
     };
-    std::vector<Box> boxes;                // a direction
-    std::vector<std::uint64_t> direction;  // pixels that may be in one of them
+    std::vector<Box> boxes;               // a direction
+    std::vector<std::uint64_t> box_bits;  // of one of them
     BitPatches patches;
   };
 
@@ -66,32 +76,33 @@ class Doubt {
                const std::vector<Question>& questions);
   void prepare(Scratch& scratch) const;
   void findViews();
-  void collectRow(int v, const ScaleCorrection& correction, Scratch& scratch);
-  void collect(int at, int first_place, const ScaleCorrection& correction, Scratch& scratch);
+  void markRow(int v, const ScaleCorrection& correction, Scratch& scratch);
+  void markPixel(int at, int first_d, const ScaleCorrection& correction, Scratch& scratch);
   void addRepeated(const Pixel& pixel);
-  void lookAt(int place, double smallest_m2, Scratch& scratch) const;
+  void checkDisparity(int d, double smallest_m2, Scratch& scratch) const;
   Pixel pixel(int at) const;
-  bool isAlternative(const Pixel& pixel, int place) const;
+  bool isAlternative(const Pixel& pixel, int d) const;
   bool isMatchIn(int direction, const Pixel& pixel) const;
-  bool mayBeIn(int direction, const Pixel& pixel, int place) const;
+  bool mayBeIn(int direction, const Pixel& pixel, int d) const;
   template <class Visit>
-  void visitSurrounded(const Pixel& pixel, Scratch& scratch, Visit&& visit) const;
+  void visitBracketed(const Pixel& pixel, Scratch& scratch, Visit&& visit) const;
   Eigen::Vector3f point(const Pixel& pixel, double disparity_px) const;
-  std::ptrdiff_t begin(int v, int place) const;
-  void set(int place, int at);
+  std::ptrdiff_t begin(int v, int d) const;
+  void mark(int d, int at);
   static bool holdsRepeated(const Direction& direction, double smallest_m2);
-  bool holdsPatch(const std::vector<int>& pixels, double smallest_px, Scratch& scratch) const;
+  bool holdsPatch(const Scratch::Box& box, double smallest_px, Scratch& scratch) const;
 
   StereoGeometry geometry_;
   double first_px_;
   Fan fan_{Box()};
   DisparityEvidence evidence_;
   double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
-  std::vector<double> corrected_px_;     // a place
-  int begin_place_ = 0, end_place_ = 0;  // between which they are looked at
-  std::vector<cv::Rect> views_;          // of the boxes that are asked about, a place
+  bool is_camera_inside_ = false;        // all boxes: its rays enter none behind from_m
+  std::vector<double> corrected_px_;     // a disparity
+  int begin_d_ = 0, end_d_ = 0;          // between which they are looked at
+  std::vector<cv::Rect> views_;          // of the boxes that are asked about, a disparity
   std::vector<double> matches_px_;       // a pixel, corrected; where it is looked at
-  std::vector<std::uint64_t> bits_;      // pixels that may be in a box: row by row, and of a row place by place
+  std::vector<std::uint64_t> bits_;      // pixels that may be in a box: row by row, and of a row disparity by disparity
   std::vector<Direction> directions_;
   std::vector<Scratch> scratch_;  // a band
 };
