@@ -126,5 +126,16 @@ TEST_F(GoalDirectionTest, WhereTfIsLateItsNewestPoseCounts) {
   EXPECT_NEAR(goal.find(camera)->x(), std::sin(0.2), 1e-9) << "that of its stamp, where it is there";
 }
 
+TEST_F(GoalDirectionTest, WhereTfHasStoppedItIsStraightAheadWithAWarning) {
+  goal.put(wish("odom", {1.0, 0.0, 0.0}), kNow);
+  place("odom", "base_link", Eigen::Isometry3d::Identity(), camera.stamp);
+  camera.stamp += ros::Duration(0.9);
+  EXPECT_TRUE(goal.find(camera));
+  camera.stamp += ros::Duration(0.2);
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(goal.find(camera));
+  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "within 1.0 s of the image: straight ahead"));
+}
+
 }  // namespace
 }  // namespace flight_corridor_ros

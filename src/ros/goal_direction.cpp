@@ -31,14 +31,14 @@ void GoalDirection::refuse(const std::string& why) {
 std::optional<Eigen::Vector3d> GoalDirection::find(const std_msgs::Header& camera) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (frame_.empty()) return std::nullopt;
-  for (const ros::Time& stamp : {camera.stamp, ros::Time(0)}) {
-    if (const auto T_C_G = transforms_.find(camera.frame_id, frame_, stamp)) return T_C_G->linear() * direction_;
-  }
+  const auto T_C_G = transforms_.find(camera.frame_id, frame_, camera.stamp, 0.0, flight_corridor::kLongestDelay_s);
+  if (T_C_G) return T_C_G->linear() * direction_;
   if (frame_warning_.due()) {
     ROS_WARN(
-        "tf does not connect \"%s\" (goal_direction) with the camera's frame \"%s\": straight ahead is wanted instead. "
-        "Publish it, or name a frame that tf has",
-        frame_.c_str(), camera.frame_id.c_str());
+        "tf does not connect \"%s\" (goal_direction) with the camera's frame \"%s\" within %.1f s of the image: "
+        "straight "
+        "ahead is wanted instead. Publish it, or name a frame that tf has",
+        frame_.c_str(), camera.frame_id.c_str(), flight_corridor::kLongestDelay_s);
   }
   return std::nullopt;
 }

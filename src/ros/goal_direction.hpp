@@ -24,7 +24,8 @@ class GoalDirection {
   /// (other than 0) that is more than a second from now.
   void put(const geometry_msgs::Vector3Stamped& message, const ros::Time& now);
 
-  /// Unit vector in the camera's frame at its stamp, by tf's newest pose where that of then is not there yet.
+  /// Unit vector in the camera's frame at its stamp, by tf's newest pose, up to a second from it, where that of then is
+  /// not there yet.
   /// @return nullopt: nobody said anything, or tf does not know the frame (warns).
   std::optional<Eigen::Vector3d> find(const std_msgs::Header& camera);
 

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "flight_corridor/range/pending_readings.hpp"
@@ -55,7 +56,7 @@ void Transforms::add(const geometry_msgs::TransformStamped& transform, bool is_s
 }
 
 std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::string source, const ros::Time& stamp,
-                                                  double timeout_s) const {
+                                                  double timeout_s, double tolerance_s) const {
   target = withoutSlash(target);
   source = withoutSlash(source);
   if (target.empty() || source.empty() || !isPossible(stamp)) return std::nullopt;
@@ -64,7 +65,10 @@ std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::strin
   const ros::WallDuration pause(0.001);
   try {
     while (!buffer_.canTransform(target, source, stamp) && ros::WallTime::now() < deadline) pause.sleep();
-    const geometry_msgs::Transform pose = buffer_.lookupTransform(target, source, stamp).transform;
+    const bool is_late = tolerance_s > 0.0 && !buffer_.canTransform(target, source, stamp);
+    const auto found = buffer_.lookupTransform(target, source, is_late ? ros::Time(0) : stamp);
+    if (is_late && !(std::abs((found.header.stamp - stamp).toSec()) <= tolerance_s)) return std::nullopt;
+    const geometry_msgs::Transform& pose = found.transform;
     const Eigen::Translation3d position(pose.translation.x, pose.translation.y, pose.translation.z);
     const auto& q = pose.rotation;
     return position *

@@ -40,9 +40,10 @@ class Transforms {
 
   /// T_target_source at a stamp (ros::Time(0): the newest).
   /// @param timeout_s how long to wait for it [s of wall time: a stopped /clock must not hold the caller].
-  /// @return nullopt when tf does not know it by then.
+  /// @param tolerance_s where it is not known by then, so far from the stamp the newest counts [s].
+  /// @return nullopt when tf knows neither.
   std::optional<Eigen::Isometry3d> find(std::string target, std::string source, const ros::Time& stamp,
-                                        double timeout_s = 0.0) const;
+                                        double timeout_s = 0.0, double tolerance_s = 0.0) const;
 
  private:
   tf2_ros::Buffer buffer_;
