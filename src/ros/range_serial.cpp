@@ -59,7 +59,8 @@ void RangeSerial::openWhenDue() {
   if (!trouble_.empty()) return;
   parser_.restart();
   wake();
-  if (!opening_info_.due()) return;
+  noticeLoss();
+  if (!port_.isOpen() || !opening_info_.due()) return;
   ROS_INFO("%s is open: %s, %d baud", config_.port.c_str(), toString(config_.protocol), config_.baud);
 }
 
