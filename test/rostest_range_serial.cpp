@@ -147,7 +147,7 @@ TEST_P(RangeSerialNode, ReadingsWithoutARangeGiveOneWarningWithTheRemedy) {
   const std::map<Protocol, std::vector<Useless>> kinds{
       {Protocol::Tfmini,
        {{serial::test_support::tfminiFrame(500, 0), "strength 0 is below strength_min (100)", "needs strength_min 0"},
-        {serial::test_support::tfminiFrame(0xfffe, 700), "error code -2", "off and on"},
+        {serial::test_support::tfminiFrame(0xffff, 700), "error code -1", "open sky"},
         {serial::test_support::tfminiFrame(500, 0xffff), "strength 65535", "bright"},
         {serial::test_support::tfminiFrame(500, 60), "strength 60 is below strength_min (100)", "lower strength_min"}}},
       {Protocol::Lightware, {{"-3.00\r\n", "error code -3", "off and on"}, {"ld,0:-2\r\n", "error code -2", "manual"}}},

@@ -160,8 +160,9 @@ void RangeSerial::watchUse() {
 std::string RangeSerial::useCause(const serial::WireReading& reading) const {
   const auto written = [](double value) { return std::to_string(std::lround(value)); };
   if (!std::isnan(reading.error_code)) {
-    return "the sensor sends error code " + written(reading.error_code) +
-           " in place of a distance. See its manual and its lens; it may hang: switch it off and on";
+    const std::string error = reading.error;
+    return "the sensor sends error code " + written(reading.error_code) + " in place of a distance" +
+           (error.empty() ? ". See its manual and its lens; it may hang: switch it off and on" : ": " + error);
   }
   if (std::isnan(reading.strength)) {
     return "the sensor does not answer the Arduino. Check its power and wiring; it may hang: switch it off and on";

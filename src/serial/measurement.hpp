@@ -12,6 +12,8 @@ struct Measurement {
   double strength = std::numeric_limits<double>::quiet_NaN();
   /// What the sensor sent in place of a distance, e.g. -3; NaN: no such number.
   double error_code = std::numeric_limits<double>::quiet_NaN();
+  /// What the code means, with the remedy, as its sensors' manual says; "": it does not.
+  const char* error = "";
 };
 
 /// A frame or line, read.

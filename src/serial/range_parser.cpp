@@ -46,8 +46,8 @@ void RangeParser::feed(const std::uint8_t* bytes, std::size_t size, double read_
     if (const auto framed = add(bytes[i], arrival_s)) {
       ++counts_.readings;
       const Measurement& measurement = framed->measurement;
-      readings.push_back(
-          {limitedRange(measurement, limits_), measurement.strength, framed->stamp_s, measurement.error_code});
+      readings.push_back({limitedRange(measurement, limits_), measurement.strength, framed->stamp_s,
+                          measurement.error_code, measurement.error});
     }
   }
   if (size > 0) previous_read_s_ = read_s;

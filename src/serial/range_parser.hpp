@@ -29,6 +29,7 @@ struct WireReading {
   double strength;                                               ///< NaN: the sensor does not say.
   double stamp_s;                                                ///< When the first byte of its frame began to arrive.
   double error_code = std::numeric_limits<double>::quiet_NaN();  ///< See Measurement.
+  const char* error = "";
 };
 
 /// Since the parser was made.

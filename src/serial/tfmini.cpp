@@ -1,6 +1,7 @@
 #include "serial/tfmini.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 namespace flight_corridor::serial {
@@ -8,9 +9,18 @@ namespace flight_corridor::serial {
 namespace {
 
 constexpr std::uint8_t kHeader = 0x59;
-constexpr unsigned kTooWeak = 0xffff, kSaturated = 0xfffe, kAmbientLight = 0xfffc;  // -1, -2, -4 in place of a distance
-constexpr double kCodes = 0x10000;                                                  // from a word to its code
-constexpr unsigned kOverexposed = 0xffff;                                           // in place of a strength
+constexpr double kCodes = 0x10000;         // from a word to its code
+constexpr unsigned kOverexposed = 0xffff;  // in place of a strength
+
+/// In place of a distance.
+struct Error {
+  double code;
+  const char* meaning;
+};
+constexpr Error kErrors[] = {
+    {-1.0, "the return is too weak. Perhaps nothing returns, as from the open sky, or the lens is dirty"},
+    {-2.0, "the return is saturated. There is something bright before it"},
+    {-4.0, "there is too much ambient light. Perhaps the sun shines into it"}};
 
 bool checksumHolds(const TfminiReader::Frame& frame) {
   return std::accumulate(frame.begin(), frame.end() - 1, 0u) % 256u == frame.back();
@@ -24,9 +34,11 @@ Measurement parseTfmini(const TfminiReader::Frame& frame, double unit_m) {
   const unsigned distance = word(frame, 2), strength = word(frame, 4);
   Measurement measurement;
   measurement.strength = strength;
-  const bool is_error = distance == kTooWeak || distance == kSaturated || distance == kAmbientLight;
-  if (is_error) {
-    measurement.error_code = static_cast<double>(distance) - kCodes;
+  const auto* const error = std::find_if(std::begin(kErrors), std::end(kErrors),
+                                         [&](const Error& error) { return distance - kCodes == error.code; });
+  if (error != std::end(kErrors)) {
+    measurement.error_code = error->code;
+    measurement.error = error->meaning;
   } else if (strength != kOverexposed) {
     measurement.range_m = unit_m * distance;
   }
