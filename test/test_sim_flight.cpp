@@ -113,7 +113,7 @@ TEST(Flight, YawsToAndFroWithoutLeavingItsLine) {
   Flight straight = weavingFlight();
   straight.tilts = true;
   Flight yawing = straight;
-  yawing.yaws = turnsToAndFro(0.4, 6.6, 0.4, 1.05);
+  yawing.body_yaws = yawSweep(0.4, 6.6, 0.4, 1.05);
   double fastest_rad_s = 0.0, leftmost_rad = 0.0, rightmost_rad = 0.0;
   const auto yaw = [&](double time_s) { return headingOf(straight.T_W_B(time_s).inverse() * yawing.T_W_B(time_s)); };
   for (double time_s = 0.0; time_s < straight.duration_s; time_s += 0.01) {
@@ -130,7 +130,7 @@ TEST(Flight, YawsToAndFroWithoutLeavingItsLine) {
   EXPECT_NEAR(yaw(6.6), 0.0, 1e-9);
 }
 
-TEST(Flight, HasNoTimeToYawInAMoment) { EXPECT_TRUE(turnsToAndFro(0.4, 1.0, 0.4, 1.05).empty()); }
+TEST(Flight, HasNoTimeToYawInAMoment) { EXPECT_TRUE(yawSweep(0.4, 1.0, 0.4, 1.05).empty()); }
 
 TEST(Flight, ASidestepUpClimbs) {
   const Flight flight = weavingFlight();

@@ -103,7 +103,7 @@ double Guard::ageOf(const Latest<Message>& latest, const GuardTime& time) {
 
 /// "": it may be relied upon.
 template <typename Message>
-std::string Guard::complaintAbout(const Latest<Message>& latest, const char* topic, const GuardTime& time) const {
+std::string Guard::faultOf(const Latest<Message>& latest, const char* topic, const GuardTime& time) const {
   const double age_s = ageOf(latest, time);
   if (std::abs(age_s) <= config_.max_age_s) return "";
   if (std::isinf(age_s)) {
@@ -116,7 +116,7 @@ std::string Guard::complaintAbout(const Latest<Message>& latest, const char* top
 }
 
 /// "": it may be flown.
-std::string Guard::complaintAboutCommand(const GuardTime& time) const {
+std::string Guard::commandFault(const GuardTime& time) const {
   const double age_s = ageOf(command_, time);
   if (!(std::abs(age_s) <= config_.command_age_s)) {
     return format(
@@ -136,7 +136,7 @@ std::string Guard::complaintAboutCommand(const GuardTime& time) const {
 GuardedCommand Guard::limited(const GuardTime& time) const {
   GuardedCommand out;
   if (!command_.has_come) return out;
-  out.why = complaintAboutCommand(time);
+  out.why = commandFault(time);
   if (!out.why.empty()) return out;
   const geometry_msgs::TwistStamped& command = command_.message;
   out.twist.angular = command.twist.angular;
@@ -165,7 +165,7 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
 double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
                         std::string& why) const {
   const FreeAreas& areas = areas_.message;
-  why = complaintAbout(areas_, "free_areas", time);
+  why = faultOf(areas_, "free_areas", time);
   if (why.empty() && !isComplete(areas)) {
     why = "stopped: free_areas is malformed: arrays of other sizes than rows x columns, or an angle that is not finite";
   }
@@ -194,7 +194,7 @@ double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s
     return 0.0;
   }
   if (!is_ahead) return safe_mps;
-  why = complaintAbout(corridor_, "corridor", time);
+  why = faultOf(corridor_, "corridor", time);
   if (!why.empty()) return 0.0;
   const CorridorState& corridor = corridor_.message;
   const bool is_known = corridor.state != CorridorState::UNKNOWN && corridor.safe_speed > 0.0;

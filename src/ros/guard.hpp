@@ -63,8 +63,8 @@ class Guard {
   template <typename Message>
   static double ageOf(const Latest<Message>& latest, const GuardTime& time);
   template <typename Message>
-  std::string complaintAbout(const Latest<Message>& latest, const char* topic, const GuardTime& time) const;
-  std::string complaintAboutCommand(const GuardTime& time) const;
+  std::string faultOf(const Latest<Message>& latest, const char* topic, const GuardTime& time) const;
+  std::string commandFault(const GuardTime& time) const;
   double safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
                    std::string& why) const;
 

@@ -33,7 +33,7 @@ RangeSerial::RangeSerial(const ros::NodeHandle& node, const ros::NodeHandle& pri
       next_request_s_(next_opening_s_),
       wake_s_(next_opening_s_),
       heard_s_(next_opening_s_),
-      useful_s_(next_opening_s_),
+      valid_s_(next_opening_s_),
       diagnostics_(node, private_node, config_.port),
       publisher_(ros::NodeHandle(node).advertise<sensor_msgs::Range>("range", kQueue)) {}
 
@@ -71,7 +71,7 @@ void RangeSerial::receive(std::size_t size) {
   diagnostics_.recordCounts(parser_.counts());
   for (const serial::WireReading& reading : readings_) publish(reading);
   if (readings_.empty()) return;
-  watchUse();
+  warnOfInvalidRanges();
   heard_s_ = steadySeconds();
   heard_bytes_ = parser_.counts().bytes;
 }
@@ -142,22 +142,22 @@ std::string RangeSerial::silenceCause() const {
 }
 
 /// Says that for a while no reading was a range, nor "nothing in range".
-void RangeSerial::watchUse() {
+void RangeSerial::warnOfInvalidRanges() {
   const double now_s = steadySeconds();
-  const bool is_useful =
+  const bool is_valid =
       std::any_of(readings_.begin(), readings_.end(), [](const auto& reading) { return !std::isnan(reading.range_m); });
-  if (is_useful || now_s - heard_s_ > config_.silence_s) useful_s_ = now_s;
-  const double useless_s = now_s - useful_s_;
-  const bool is_useless = useless_s > config_.silence_s;
-  const std::string cause = is_useless ? useCause(readings_.back()) : "";
-  diagnostics_.recordUse(cause);
-  if (!is_useless || !use_warning_.due()) return;
-  ROS_WARN("no reading from %s had a range for %.1f s (silence_s: %.1f): %s", config_.port.c_str(), useless_s,
+  if (is_valid || now_s - heard_s_ > config_.silence_s) valid_s_ = now_s;
+  const double invalid_s = now_s - valid_s_;
+  const bool is_invalid = invalid_s > config_.silence_s;
+  const std::string cause = is_invalid ? invalidCause(readings_.back()) : "";
+  diagnostics_.recordInvalid(cause);
+  if (!is_invalid || !invalid_warning_.due()) return;
+  ROS_WARN("no reading from %s had a range for %.1f s (silence_s: %.1f): %s", config_.port.c_str(), invalid_s,
            config_.silence_s, cause.c_str());
 }
 
 /// What a reading without a range says, and the remedy.
-std::string RangeSerial::useCause(const serial::WireReading& reading) const {
+std::string RangeSerial::invalidCause(const serial::WireReading& reading) const {
   const auto written = [](double value) { return std::to_string(std::lround(value)); };
   if (!std::isnan(reading.error_code)) {
     const std::string error = reading.error;

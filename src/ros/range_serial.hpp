@@ -35,8 +35,8 @@ class RangeSerial {
   void noticeLoss();
   void warnOfSilence();
   std::string silenceCause() const;
-  void watchUse();
-  std::string useCause(const flight_corridor::serial::WireReading& reading) const;
+  void warnOfInvalidRanges();
+  std::string invalidCause(const flight_corridor::serial::WireReading& reading) const;
 
   RangeSerialConfig config_;
   flight_corridor::serial::SerialPort port_;
@@ -46,9 +46,9 @@ class RangeSerial {
   std::string trouble_ = "not opened yet";           // of the port; "" while it is open
   double next_opening_s_, next_request_s_, wake_s_;  // of a clock that nobody sets
   double heard_s_;                                   // the newest reading, or the start
-  double useful_s_;                                  // the newest that is no NaN, or what came first after a silence
+  double valid_s_;                                   // the newest that is no NaN, or what came first after a silence
   std::uint64_t heard_bytes_ = 0;                    // that had come by then
-  Throttle opening_info_, loss_warning_, silence_warning_, use_warning_;
+  Throttle opening_info_, loss_warning_, silence_warning_, invalid_warning_;
   RangeSerialDiagnostics diagnostics_;
   ros::Publisher publisher_;
 };

@@ -36,9 +36,9 @@ void RangeSerialDiagnostics::recordCounts(const flight_corridor::serial::WireCou
   counts_ = counts;
 }
 
-void RangeSerialDiagnostics::recordUse(const std::string& trouble) {
+void RangeSerialDiagnostics::recordInvalid(const std::string& cause) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  use_trouble_ = trouble;
+  invalid_cause_ = cause;
 }
 
 void RangeSerialDiagnostics::recordReading(const flight_corridor::serial::WireReading& reading) {
@@ -56,8 +56,8 @@ void RangeSerialDiagnostics::summarise(DiagnosticStatusWrapper& status) const {
     status.summary(DiagnosticStatus::ERROR, "no bytes");
   } else if (counts_.readings == described_counts_.readings) {
     status.summary(DiagnosticStatus::ERROR, "bytes, but no reading: baud, protocol");
-  } else if (!use_trouble_.empty()) {
-    status.summary(DiagnosticStatus::WARN, "no reading has a range: " + use_trouble_);
+  } else if (!invalid_cause_.empty()) {
+    status.summary(DiagnosticStatus::WARN, "no reading has a range: " + invalid_cause_);
   } else if (static_cast<double>(refused) > kMostRefused * static_cast<double>(bytes)) {
     status.summary(DiagnosticStatus::WARN, "many bytes refused: wiring, baud");
   } else {

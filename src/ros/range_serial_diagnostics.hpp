@@ -21,7 +21,7 @@ class RangeSerialDiagnostics {
   /// What the parser has counted so far.
   void recordCounts(const flight_corridor::serial::WireCounts& counts);
   /// Why no reading has had a range for a while; "" while they have.
-  void recordUse(const std::string& trouble);
+  void recordInvalid(const std::string& cause);
   void recordReading(const flight_corridor::serial::WireReading& reading);
 
  private:
@@ -30,7 +30,7 @@ class RangeSerialDiagnostics {
 
   const std::string port_;
   std::mutex mutex_;
-  std::string trouble_ = "not opened yet", use_trouble_;
+  std::string trouble_ = "not opened yet", invalid_cause_;
   std::uint64_t openings_ = 0;
   flight_corridor::serial::WireCounts counts_, described_counts_;
   flight_corridor::serial::WireReading newest_;

@@ -98,7 +98,7 @@ Eigen::Isometry3d Flight::T_W_B(double time_s) const {
   Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
   T_W_B.translation() = positionAt(*this, t) + sway_m.cwiseProduct(Eigen::Vector3d(wave(0), wave(1), wave(2)));
   if (tilts) T_W_B.rotate(tiltAt(*this, t));
-  const double yaw_rad = headingAfter(turns, t) + headingAfter(yaws, t) + wobble_rad.z() * wave(3);
+  const double yaw_rad = headingAfter(turns, t) + headingAfter(body_yaws, t) + wobble_rad.z() * wave(3);
   T_W_B.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
                Eigen::AngleAxisd(wobble_rad.y() * wave(4), Eigen::Vector3d::UnitY()) *
                Eigen::AngleAxisd(wobble_rad.x() * wave(5), Eigen::Vector3d::UnitX()));
@@ -111,7 +111,7 @@ Turn turnAt(double from_s, double left_rad, double highest_rate_rad_s) {
   return {from_s, 2.0 * std::abs(left_rad) / highest_rate_rad_s, left_rad};
 }
 
-std::vector<Turn> turnsToAndFro(double from_s, double until_s, double angle_rad, double highest_rate_rad_s) {
+std::vector<Turn> yawSweep(double from_s, double until_s, double angle_rad, double highest_rate_rad_s) {
   const double across_s = turnAt(0.0, 2.0 * angle_rad, highest_rate_rad_s).duration_s;
   const int count = static_cast<int>((until_s - from_s) / across_s);
   std::vector<Turn> turns;

@@ -31,9 +31,9 @@ struct Flight {
   Eigen::Vector3d sway_m{0.02, 0.03, 0.02};      ///< Largest shift forward, left and up.
   double phase_rad = 0.0;                        ///< Of sway and wobble.
   std::vector<Sidestep> sidesteps;
-  std::vector<Turn> turns;  ///< One after the other.
-  std::vector<Turn> yaws;   ///< Of the body alone: the flight does not follow them.
-  bool tilts = false;       ///< As a quadrotor must: z of B along the thrust, before wobble comes on top.
+  std::vector<Turn> turns;      ///< One after the other.
+  std::vector<Turn> body_yaws;  ///< Of the body alone: the flight does not follow them.
+  bool tilts = false;           ///< As a quadrotor must: z of B along the thrust, before wobble comes on top.
 
   /// Before the start and after the end the body stands still.
   Eigen::Isometry3d T_W_B(double time_s) const;
@@ -47,6 +47,6 @@ Turn turnAt(double from_s, double left_rad, double highest_rate_rad_s);
 
 /// Turns to the left, to the right and so on by an angle from straight ahead, with which the last one ends at until_s.
 /// As many as there is time for since from_s: none, if not even for one to the left and back.
-std::vector<Turn> turnsToAndFro(double from_s, double until_s, double angle_rad, double highest_rate_rad_s);
+std::vector<Turn> yawSweep(double from_s, double until_s, double angle_rad, double highest_rate_rad_s);
 
 }  // namespace flight_corridor::sim

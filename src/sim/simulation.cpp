@@ -38,8 +38,8 @@ Scene sceneFor(const SimulationOptions& options) {
   scene.rig.baseline_error = options.baseline_error.value_or(scene.rig.baseline_error);
   scene.rig.disparity_offset_px = options.disparity_offset_px.value_or(scene.rig.disparity_offset_px);
   if (options.yaw_rate_rad_s > 0.0) {
-    scene.flight.yaws =
-        turnsToAndFro(kStraight_s, scene.flight.duration_s - kStraight_s, kYaw_rad, options.yaw_rate_rad_s);
+    scene.flight.body_yaws =
+        yawSweep(kStraight_s, scene.flight.duration_s - kStraight_s, kYaw_rad, options.yaw_rate_rad_s);
   }
   return scene;
 }
