@@ -152,8 +152,11 @@ void replay(const ReplayInput& input, Outputs outputs) {
   const StereoBagReader bag(input.bag, input.topics, input.reading);
   std::cerr << "replay: " << bag.describe() << "\n";
   checkOptionalTopics(bag, input);
-  outputs.pictures.video_frames = bag.leftImages();
-  if (std::isfinite(bag.rate())) outputs.pictures.video_rate_hz = std::max(bag.rate(), kSlowestVideo_hz);
+  if (!outputs.pictures.video.empty()) {
+    outputs.pictures.video_frames = bag.leftImages();
+    const double rate_hz = bag.rate();
+    if (std::isfinite(rate_hz)) outputs.pictures.video_rate_hz = std::max(rate_hz, kSlowestVideo_hz);
+  }
   Pictures pictures(outputs.pictures);
   std::optional<VerdictBag> verdicts;
   if (!outputs.verdicts.empty()) verdicts.emplace(outputs.verdicts, config.core);
