@@ -35,8 +35,8 @@ class StereoBagReaderTest : public test_support::SmallFlightTest {
     file.write("\xff\xff\xff\xff", 4);
   }
 
-  std::string playError() const {
-    const StereoBagReader bag(path(), {});
+  std::string playError(const BagReading& reading = {}) const {
+    const StereoBagReader bag(path(), {}, reading);
     try {
       bag.play({}, ignoringAll());
     } catch (const std::runtime_error& error) {
@@ -254,7 +254,11 @@ TEST_F(StereoBagReaderTest, PairsImagesOfSimilarStampsWhenAsked) {
 TEST_F(StereoBagReaderTest, NamesTheTopicOfADamagedMessage) {
   writeFlight();
   damageLast("range_link");  // of the range, which was written last
-  EXPECT_EQ(playError().find(path() + ": cannot be read: topic /range: "), 0u) << playError();
+  BagReading by_stamps;
+  by_stamps.by_stamps = true;
+  for (const std::string& error : {playError(), playError(by_stamps)}) {
+    EXPECT_EQ(error.find(path() + ": cannot be read: topic /range: "), 0u) << error;
+  }
 }
 
 TEST_F(StereoBagReaderTest, NamesATopicThatHoldsTwoTypes) {

@@ -29,6 +29,39 @@
 namespace flight_corridor::tools {
 namespace {
 
+/// With which every message that is read here begins.
+struct Beginning {
+  std_msgs::Header header;
+};
+
+}  // namespace
+}  // namespace flight_corridor::tools
+
+namespace ros {
+
+using flight_corridor::tools::Beginning;
+
+template <>
+struct message_traits::MD5Sum<Beginning> {
+  static const char* value() { return "*"; }  // of any type
+};
+template <>
+struct message_traits::DataType<Beginning> {
+  static const char* value() { return "*"; }
+};
+template <>
+struct serialization::Serializer<Beginning> {
+  template <typename Stream>
+  static void read(Stream& stream, Beginning& beginning) {
+    stream.next(beginning.header);
+  }
+};
+
+}  // namespace ros
+
+namespace flight_corridor::tools {
+namespace {
+
 using flight_corridor_ros::withoutSlash;
 using sensor_msgs::CameraInfo;
 using sensor_msgs::CompressedImage;
@@ -52,21 +85,6 @@ rosbag::MessageInstance first(const rosbag::Bag& bag, const std::string& topic) 
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   if (view.size() == 0) failMissing(bag, "no message of topic " + topic);
   return *view.begin();
-}
-
-/// Of the header with which every message that is read here begins: seq, stamp, frame_id.
-ros::Time headerStamp(const rosbag::MessageInstance& message) {
-  constexpr std::uint32_t kHeader = 12;
-  if (message.size() < kHeader) return {};
-  std::vector<std::uint8_t> bytes(message.size());
-  ros::serialization::OStream out(bytes.data(), message.size());
-  message.write(out);
-  std::uint32_t seq = 0;
-  ros::Time stamp;
-  ros::serialization::IStream in(bytes.data(), kHeader);
-  in.next(seq);
-  in.next(stamp);
-  return stamp;
 }
 
 /// When a transform's message came at the earliest. Those that never change are known from the start.
@@ -280,7 +298,7 @@ void StereoBagReader::forEach(const std::vector<std::string>& topics, const OnMe
   std::multimap<std::pair<ros::Time, bool>, rosbag::MessageInstance> messages;  // an image comes after equal readings
   ros::Time before = ros::TIME_MIN;
   for (const rosbag::MessageInstance& message : view) {
-    const ros::Time stamp = headerStamp(message);
+    const ros::Time stamp = read<Beginning>(bag_, message)->header.stamp;
     if (!stamp.isZero() && flight_corridor_ros::isPossible(stamp)) before = stamp;
     const bool is_reading = message.getTopic() == topics_.range || message.getTopic() == topics_.imu;
     messages.emplace(std::pair(before, !is_reading), message);
