@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What changes in flight is effective in the next verdict; what breaks a rule changes nothing."""
 
+import math
 import os
 import subprocess
 import time
@@ -12,7 +13,8 @@ import rostest
 import yaml
 from dynamic_reconfigure.client import Client
 from flight_corridor.msg import CorridorState
-from wall_rig import WallRig
+from sensor_msgs.msg import LaserScan
+from wall_rig import WallRig, received
 
 NODE = "/flight_corridor"
 BEYOND_WALL_M, BEFORE_WALL_M = 4.0, 1.5
@@ -62,6 +64,12 @@ class Reconfigure(unittest.TestCase):
         self.assertEqual(answer["corridor/length_m"], BEYOND_WALL_M)
         self.assertEqual(dump(), before)
         self.expect(BEYOND_WALL_M, CorridorState.BLOCKED)
+
+    def test_scans_of_nothing_are_as_long_as_the_corridor(self):
+        self.client.update_configuration({"corridor/length_m": BEFORE_WALL_M})
+        scan = received(NODE + "/scan", LaserScan, lambda message: message.range_max == BEFORE_WALL_M, PATIENCE_S)
+        self.assertIsNotNone(scan, "no such scan")
+        self.assertTrue(all(map(math.isnan, scan.ranges)), "nobody says where up is")
 
     def test_the_dump_holds_every_parameter(self):
         path = os.path.join(rospkg.RosPack().get_path("flight_corridor"), "config", "default.yaml")

@@ -19,7 +19,7 @@ bool isHeard(const ros::Publisher& publisher) { return publisher.getNumSubscribe
 
 DirectionPublishers::DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config,
                                          GoalDirection& goal)
-    : config_(config), goal_(goal) {
+    : config_(config.free_areas), length_m_(config.corridor.length_m), goal_(goal) {
   ros::NodeHandle node(private_node);
   areas_ = node.advertise<flight_corridor::FreeAreas>("free_areas", 1);
   image_ = node.advertise<sensor_msgs::Image>("free_areas/image", 1);
@@ -66,11 +66,11 @@ void DirectionPublishers::publishScans(const std_msgs::Header& header, const fli
 
 void DirectionPublishers::publishUnknownScans(const std_msgs::Header& header) {
   if (header.frame_id.empty()) return;  // no camera yet, of whose frame its own is named
-  publishScans(header, flight_corridor::unknownScan(config_.free_areas.step_rad, config_.corridor.length_m));
+  publishScans(header, flight_corridor::unknownScan(config_.step_rad, length_m_));
 }
 
 void DirectionPublishers::publishRefusal(const std_msgs::Header& header, std::uint32_t reasons) {
-  if (isHeard(areas_)) areas_.publish(toRefusal(header, config_.free_areas, reasons));
+  if (isHeard(areas_)) areas_.publish(toRefusal(header, config_, reasons));
   if (isHeard(markers_)) markers_.publish(withoutMarkers(header));
   publishUnknownScans(header);
 }

@@ -4,6 +4,7 @@
 #include <std_msgs/Header.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <atomic>
 #include <functional>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -23,6 +24,9 @@ class DirectionPublishers {
 
   DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config, GoalDirection& goal);
 
+  /// From now on this corridor is what unknown scans are of. Any thread.
+  void setCorridor(const flight_corridor::CorridorConfig& corridor) { length_m_ = corridor.length_m; }
+
   /// By the pipeline's last pair.  @param header the left image's.  @param left CV_8UC1.
   void publish(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline,
                const Level& level);
@@ -35,7 +39,8 @@ class DirectionPublishers {
   void publishScans(const std_msgs::Header& header, const flight_corridor::LevelScan& scan);
   void publishUnknownScans(const std_msgs::Header& header);
 
-  const flight_corridor::Config config_;  // at the start: of the corridor the pipeline knows more
+  const flight_corridor::FreeAreasConfig config_;
+  std::atomic<double> length_m_;  // of the corridor
   GoalDirection& goal_;
   ros::Publisher areas_, image_, markers_, scan_, obstacle_distance_;
   std::optional<tf2_ros::TransformBroadcaster> broadcaster_;  // of the scan's frames, where somebody listens

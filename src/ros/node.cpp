@@ -67,6 +67,7 @@ Node::~Node() {
 void Node::configure(const NodeConfig& config) {
   processor_.setCorridor(config.core.corridor);  // may refuse
   publishers_.setCorridor(config.core.corridor);
+  directions_.setCorridor(config.core.corridor);
   max_age_s_ = config.core.corridor.max_age_s;
   watchdog_s_ = config.ros.watchdog_s;
 }
