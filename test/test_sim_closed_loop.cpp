@@ -54,7 +54,7 @@ TEST(ClosedLoop, ACollisionEndsTheFlightAtWhatIsHit) {
   EXPECT_EQ(flown.hit->shape, Shape::Cylinder);
   EXPECT_NEAR(flown.distance_m, 5.0 - 0.2 - 0.25, 0.1);
   EXPECT_GT(flown.hit_speed_mps, 1.5);
-  EXPECT_LE(flown.unseen_s, 0.15);  // the trunk was ahead in the last pair
+  EXPECT_LE(flown.out_of_view_s, 0.15);  // the trunk was ahead in the last pair
 }
 
 TEST(ClosedLoop, TellsForHowLongWhatWasHitHadBeenOutOfView) {
@@ -65,7 +65,7 @@ TEST(ClosedLoop, TellsForHowLongWhatWasHitHadBeenOutOfView) {
   const Way waits{Eigen::Vector3d::UnitX(), 0.0, 0.0};
   const Flown flown = ClosedLoop(world, quick(), 1).fly([&](const Observation&) { return waits; });
   ASSERT_TRUE(flown.hit);
-  EXPECT_EQ(flown.unseen_s, kInfinity);
+  EXPECT_EQ(flown.out_of_view_s, kInfinity);
   EXPECT_LT(flown.hit_speed_mps, 0.05);
 }
 

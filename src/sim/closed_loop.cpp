@@ -130,7 +130,7 @@ void ClosedLoop::noteCollision(const Primitive& hit) {
   flown_.hit_speed_mps = quadrotor_.velocity_W_mps().norm();
   const Eigen::Vector3d away_O = hit.T_W_O.inverse() * quadrotor_.T_W_B().translation();
   const Eigen::Vector3d place_W = hit.T_W_O * away_O.cwiseMin(hit.half_m).cwiseMax(-hit.half_m);
-  const auto shows = [&](const std::pair<double, Eigen::Isometry3d>& pair) {
+  const auto isInView = [&](const std::pair<double, Eigen::Isometry3d>& pair) {
     const double before_s = flown_.time_s - pair.first;
     const Camera camera = leftCamera(world_.scene.rig, pair.second);
     const Eigen::Vector3d place_C = camera.T_W_C.inverse() * (place_W - before_s * hit.velocity_W);
@@ -139,8 +139,8 @@ void ClosedLoop::noteCollision(const Primitive& hit) {
     return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px &&
            v_px < camera.size_px.height;
   };
-  const auto last = std::find_if(pairs_.rbegin(), pairs_.rend(), shows);
-  flown_.unseen_s = last == pairs_.rend() ? kInfinity : flown_.time_s - last->first;
+  const auto last = std::find_if(pairs_.rbegin(), pairs_.rend(), isInView);
+  flown_.out_of_view_s = last == pairs_.rend() ? kInfinity : flown_.time_s - last->first;
 }
 
 }  // namespace flight_corridor::sim

@@ -56,7 +56,8 @@ struct Flown {
   double nearest_m = kInfinity;  ///< Of the airframe to anything, at last 0 in a collision.
   std::optional<Primitive> hit;  ///< What was touched, where it was then.
   double hit_speed_mps = kNaN;   ///< Of the UAV.
-  double unseen_s = kNaN;        ///< How long before the collision the left image last showed the place that was hit.
+  double out_of_view_s = kNaN;   ///< How long before the collision the place that was hit was last in the left camera's
+                                 ///< view, hidden or not.
 };
 
 /// Flies a world by a rule.
