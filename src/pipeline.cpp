@@ -1,6 +1,5 @@
 #include "flight_corridor/pipeline.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <opencv2/core.hpp>

@@ -1,7 +1,6 @@
 #include "sim/closed_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sim/render.hpp"
 #include "sim/shutter.hpp"

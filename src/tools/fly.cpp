@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
-#include <optional>
 #include <vector>
 
 #include "sim/simulation.hpp"
