@@ -55,18 +55,13 @@ bool isFullImage(const sensor_msgs::CameraInfo& info) {
 }
 
 /// Values of 10 or 12 bits in the low end of 16 would be darkness.
-/// @param upper, lower bytes of them.
-void requireSixteenBits(const cv::Mat& upper, const cv::Mat& lower) {
+/// @param upper bytes of them.
+void requireSixteenBits(const cv::Mat& upper) {
   double brightest = 0.0;
   cv::minMaxIdx(upper, nullptr, &brightest);
   if (256.0 * brightest >= kLeastBrightest) return;
-  cv::Mat values;
-  upper.convertTo(values, CV_16U, 256.0);
-  cv::add(values, lower, values, cv::noArray(), CV_16U);
-  cv::minMaxIdx(values, nullptr, &brightest);
-  throw std::invalid_argument("its brightest pixel is " + std::to_string(static_cast<int>(brightest)) +
-                              " of 65535, below " + std::to_string(kLeastBrightest) +
-                              ": values of 10 or 12 bits? Shift them up, or send mono8");
+  throw std::invalid_argument("every pixel is below " + std::to_string(kLeastBrightest) +
+                              " of 65535: values of 10 or 12 bits? Shift them up, or send mono8");
 }
 
 /// Of 16 bits the upper 8, so that a mosaic, too, is read as one of 8 bits.
@@ -81,10 +76,8 @@ cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
   const auto upper = boost::make_shared<cv_bridge::CvImage>();
   upper->header = message.header;
   upper->encoding = message.encoding.substr(0, message.encoding.size() - 2) + "8";  // mono16, bayer_rggb16, bgr16, ...
-  cv::Mat lower;
   cv::extractChannel(bytes, upper->image, message.is_bigendian ? 0 : 1);
-  cv::extractChannel(bytes, lower, message.is_bigendian ? 1 : 0);
-  requireSixteenBits(upper->image, lower);
+  requireSixteenBits(upper->image);
   upper->image = upper->image.reshape(channels);
   return upper;
 }
