@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "ros/transforms.hpp"
+#include "tools/topic_finder.hpp"
+
 namespace flight_corridor::tools {
 namespace {
 
-/// Without the slash before it and what names its compression.
-std::string plain(const std::string& topic) {
-  const std::string compressed = "/compressed";
-  std::string name = topic.substr(std::min(topic.find_first_not_of('/'), topic.size()));
-  const bool is_suffixed = name.size() > compressed.size() &&
-                           name.compare(name.size() - compressed.size(), compressed.size(), compressed) == 0;
-  if (is_suffixed) name.resize(name.size() - compressed.size());
-  return name;
-}
+std::string plain(const std::string& topic) { return withoutCompression(flight_corridor_ros::withoutSlash(topic)); }
 
 std::string folderOf(const std::string& topic) {
   const std::string name = plain(topic);

@@ -23,7 +23,6 @@ namespace {
 using Types = std::map<std::string, std::string>;
 using Pair = std::pair<std::string, std::string>;
 
-constexpr char kCompressed[] = "/compressed";
 constexpr char kNone[] = "none";
 const StereoTopics kUsual;
 
@@ -56,8 +55,7 @@ std::set<std::string> imageTopics(const rosbag::Bag& bag, const Types& types) {
   for (const auto& [topic, type] : types) {
     if (type != "sensor_msgs/Image" && type != "sensor_msgs/CompressedImage") continue;
     if (endsWith(topic, "/compressedDepth") || holdsDepth(bag, topic)) continue;
-    const bool is_suffixed = type == "sensor_msgs/CompressedImage" && endsWith(topic, kCompressed);
-    images.insert(is_suffixed ? topic.substr(0, topic.size() - sizeof(kCompressed) + 1) : topic);
+    images.insert(type == "sensor_msgs/CompressedImage" ? withoutCompression(topic) : topic);
   }
   return images;
 }
@@ -184,6 +182,11 @@ bool isNamedRectified(const std::string& topic) {
     begin = std::min(topic.find_first_of("/_", begin), topic.size()) + 1;
   }
   return false;
+}
+
+std::string withoutCompression(const std::string& topic) {
+  const std::string end = "/compressed";
+  return endsWith(topic, end) ? topic.substr(0, topic.size() - end.size()) : topic;
 }
 
 StereoTopics findTopics(const rosbag::Bag& bag, StereoTopics topics, bool needs_info) {

@@ -11,6 +11,9 @@ namespace flight_corridor::tools {
 /// Whether a word of an image topic's name begins with "rect": image_rect, image_rect_color, image_rectified.
 bool isNamedRectified(const std::string& topic);
 
+/// The name of an image topic without the "/compressed" behind it, if there is one.
+std::string withoutCompression(const std::string& topic);
+
 /// Fills the topics that are empty. Those of StereoTopics where the bag has them; else images whose names differ by
 /// left and right, l and r, or a number and the next one: rectified before raw, grey before colour; their camera_info
 /// beside them; the only Range and the only Imu. Depth images are left out: those of
