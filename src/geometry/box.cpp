@@ -30,7 +30,7 @@ Violations check(const Box& box, double cell_m) {
   return rules.broken();
 }
 
-bool isRotation(const Eigen::Matrix3d& R) { return R.isUnitary(kTouch_m) && R.determinant() > 0.0; }
+bool isRotation(const Eigen::Matrix3d& R, double tolerance) { return R.isUnitary(tolerance) && R.determinant() > 0.0; }
 
 Eigen::Vector3d centre(const Box& box) { return box.T_M_F * Eigen::Vector3d(0.5 * box.size_m.x(), 0.0, 0.0); }
 

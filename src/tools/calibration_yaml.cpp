@@ -10,6 +10,7 @@
 #include <opencv2/core/persistence.hpp>
 #include <stdexcept>
 
+#include "flight_corridor/geometry/box.hpp"
 #include "ros/camera_info_file.hpp"
 #include "tools/calibration_file.hpp"
 #include "tools/camera_chain.hpp"
@@ -113,7 +114,7 @@ void setSize(CameraInfo& camera, cv::Size size) {
 Eigen::Isometry3d poseOf(const Numbers& numbers, const std::string& key) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   const Eigen::Matrix4d matrix = Eigen::Map<const RowMajor>(numbers.data());
-  if (!isRotation(matrix.topLeftCorner<3, 3>())) fail(key + ": is not a rotation and translation");
+  if (!isRotation(matrix.topLeftCorner<3, 3>(), kTyped)) fail(key + ": is not a rotation and translation");
   return Eigen::Isometry3d(matrix);
 }
 

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "flight_corridor/geometry/box.hpp"
+
 namespace flight_corridor::tools {
 namespace {
 
@@ -19,7 +21,6 @@ using sensor_msgs::CameraInfo;
 
 constexpr double kSame = 1e-6;            // rounding of a rotation
 constexpr double kSame_px = 0.01;         // what rounding in a calibration file may differ
-constexpr double kOrthonormal = 1e-2;     // what rounding in a rotation typed by hand may differ
 constexpr double kWidestPlumbBob = 0.35;  // focal length over width: a view of 110 degrees
 constexpr std::size_t kEquidistantCoefficients = 4;
 constexpr double kFocalRange[] = {0.1, 10.0};  // of the rectified image over that of the raw one
@@ -75,7 +76,7 @@ void makeRectified(CameraInfo& camera) {
 
 void requireRotation(const char* side, const CameraInfo::_R_type& numbers) {
   const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
-  if (isRotation(R)) return;
+  if (isRotation(R, kTyped)) return;
   throw std::invalid_argument(std::string("R of ") + side + (areZero(numbers) ? " is all 0" : " is not a rotation") +
                               ": the rotation of the pair is not known");
 }
@@ -149,10 +150,6 @@ StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left
   requireFocalLength(cameras.left);
   cameras.is_rectification_computed = true;
   return cameras;
-}
-
-bool isRotation(const Eigen::Matrix3d& R) {
-  return (R * R.transpose()).isApprox(Eigen::Matrix3d::Identity(), kOrthonormal) && R.determinant() > 0.0;
 }
 
 std::string describe(const StereoCameras& cameras, bool are_raw) {

@@ -10,6 +10,8 @@
 
 namespace flight_corridor::tools {
 
+constexpr double kTyped = 1e-2;  ///< What rounding in a rotation typed by hand may differ, see isRotation().
+
 /// Left and right by name.
 struct PairNames {
   std::string left, right;
@@ -41,9 +43,6 @@ StereoCameras rectified(StereoCameras cameras);
 /// @throws std::invalid_argument naming what is impossible: lenses of different models, cameras in one place, a focal
 /// length that no lens has.
 StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left);
-
-/// Whether it is a rotation, but for the rounding of one typed by hand.
-bool isRotation(const Eigen::Matrix3d& R);
 
 /// One line for people: focal length and baseline; of raw images, and of cameras with names, the lens models, with a
 /// warning where one is likely another.

@@ -19,8 +19,8 @@ struct Box {
 /// so large a surface that looking at it would take longer than a frame.
 Violations check(const Box& box, double cell_m);
 
-/// Not scaled, not sheared, not mirrored.
-bool isRotation(const Eigen::Matrix3d& R);
+/// Not scaled, not sheared, not mirrored.  @param tolerance of its columns' products.
+bool isRotation(const Eigen::Matrix3d& R, double tolerance = kTouch_m);
 
 /// Of the box, in M [m].
 Eigen::Vector3d centre(const Box& box);
