@@ -141,9 +141,9 @@ StereoCameras camerasOf(const std::map<std::string, double>& numbers, const Imag
 }
 
 void requireSize(const sensor_msgs::CameraInfo& camera, const cv::Size& images) {
-  if (cv::Size(static_cast<int>(camera.width), static_cast<int>(camera.height)) == images) return;
-  throw std::runtime_error("it is for images of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                           ", these are " + std::to_string(images.width) + "x" + std::to_string(images.height) +
+  const cv::Size size(static_cast<int>(camera.width), static_cast<int>(camera.height));
+  if (size == images) return;
+  throw std::runtime_error("it is for images of " + sizeText(size) + ", these are " + sizeText(images) +
                            ": calibrate, or record, in one size");
 }
 

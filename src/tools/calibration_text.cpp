@@ -115,8 +115,6 @@ struct Resolution {
 const Resolution kZedResolutions[] = {{{2208, 1242}, "2k"}, {{1920, 1080}, "fhd"},     {{1280, 720}, "hd"},
                                       {{672, 376}, "vga"},  {{1920, 1200}, "fhd1200"}, {{960, 600}, "svga"}};
 
-std::string sizeText(const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
-
 /// Name of the resolution that the images have.
 std::string zedResolution(const Lines& lines, const cv::Size& images) {
   std::string there;

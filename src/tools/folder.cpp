@@ -39,8 +39,7 @@ cv::Mat readImage(const std::string& path) {
 
 void requireSize(const cv::Mat& image, cv::Size size, const std::string& path) {
   if (image.size() == size) return;
-  fail(path, "is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                 ", the recording's first image is " + std::to_string(size.width) + "x" + std::to_string(size.height));
+  fail(path, "is " + sizeText(image.size()) + ", the recording's first image is " + sizeText(size));
 }
 
 /// Whether a file is called by a whole number.

@@ -30,9 +30,8 @@ Rectifier::Maps Rectifier::mapsOf(const sensor_msgs::CameraInfo& camera) {
 
 cv::Mat Rectifier::remap(const cv::Mat& raw, const Maps& maps) {
   if (raw.size() != maps.whole_px.size()) {
-    throw std::invalid_argument("the image is " + std::to_string(raw.cols) + "x" + std::to_string(raw.rows) +
-                                ", its camera's calibration is for " + std::to_string(maps.whole_px.cols) + "x" +
-                                std::to_string(maps.whole_px.rows));
+    throw std::invalid_argument("the image is " + sizeText(raw.size()) + ", its camera's calibration is for " +
+                                sizeText(maps.whole_px.size()));
   }
   cv::Mat rectified;
   cv::remap(raw, rectified, maps.whole_px, maps.fraction, cv::INTER_LINEAR);

@@ -108,6 +108,8 @@ void requireFocalLength(const CameraInfo& camera) {
 
 }  // namespace
 
+std::string sizeText(const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
 StereoCameras camerasOf(const StereoCalibration& calibration) {
   return {rectifiedCamera(calibration, calibration.cx_px, 0.0),
           rectifiedCamera(calibration, calibration.cx_right_px, calibration.baseline_m)};

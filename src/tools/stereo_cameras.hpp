@@ -26,6 +26,9 @@ struct StereoCameras {
   PairNames names = {};  ///< In a file that names its cameras.
 };
 
+/// "640x480".
+std::string sizeText(const cv::Size& size);
+
 /// The cameras of a pair that is rectified.
 StereoCameras camerasOf(const StereoCalibration& calibration);
 
