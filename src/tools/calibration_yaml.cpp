@@ -101,13 +101,9 @@ CameraInfo cameraOf(const Numbers& intrinsics, const Numbers& distortion, const 
   return camera;
 }
 
-void setSize(CameraInfo& camera, const Numbers& size) {
-  camera.width = pixels(size[0]);
-  camera.height = pixels(size[1]);
-}
-
-void setSize(CameraInfo& camera, cv::Size size) {
-  setSize(camera, Numbers{static_cast<double>(size.width), static_cast<double>(size.height)});
+void setSize(CameraInfo& camera, double width, double height) {
+  camera.width = pixels(width);
+  camera.height = pixels(height);
 }
 
 /// Of a rigid transform as 4 x 4 numbers.
@@ -132,19 +128,14 @@ CameraInfo readPinhole(const YAML::Node& yaml, const std::string& distortion_key
   }
   const Numbers distortion = model == "none" ? Numbers(4) : numbersAt(yaml, distortion_key, 4);
   CameraInfo camera = cameraOf(numbersAt(yaml, "intrinsics", 4), distortion, known.at(model));
-  setSize(camera, numbersAt(yaml, "resolution", 2));
+  const Numbers size = numbersAt(yaml, "resolution", 2);
+  setSize(camera, size[0], size[1]);
   return camera;
 }
 
 /// The name that Kalibr gives a camera.
 std::string nameOf(int number) { return "cam" + std::to_string(number); }
-
-/// @return -1 of another key.
-int numberOf(const std::string& name) {
-  int number = 0;
-  while (number < kMostCameras && name != nameOf(number)) ++number;
-  return number < kMostCameras ? number : -1;
-}
+int numberOf(const std::string& name) { return std::stoi(name.substr(3)); }
 
 std::vector<NamedCamera> namedCameras(const YAML::Node& yaml) {
   std::vector<NamedCamera> cameras;
@@ -230,12 +221,12 @@ CameraInfo readOpenCvCamera(const YAML::Node& yaml, bool is_left) {
 
 /// The size, under the names that OpenCV's samples and tutorials write; else that of the images.
 void setOpenCvSize(const YAML::Node& yaml, const ImageFormat& images, CameraInfo& camera) {
-  setSize(camera, images.size_px);
+  setSize(camera, images.size_px.width, images.size_px.height);
   const std::string width = findKey(yaml, {"image_width", "imageWidth", "width", "image_Width", "imageSize_width"});
   const std::string height =
       findKey(yaml, {"image_height", "imageHeight", "height", "image_Height", "imageSize_height"});
   if (!width.empty() && !height.empty()) {
-    setSize(camera, Numbers{numbersAt(yaml, width, 1)[0], numbersAt(yaml, height, 1)[0]});
+    setSize(camera, numbersAt(yaml, width, 1)[0], numbersAt(yaml, height, 1)[0]);
   }
 }
 
