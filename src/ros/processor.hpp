@@ -73,8 +73,8 @@ class Processor {
   const sensor_msgs::CameraInfoConstPtr& leftInfo() const { return left_info_; }
   /// Of the present pipeline, and of the readings that were refused before it; all 0 without one.
   flight_corridor::Counters counters();
-  /// Where pairs are matched; the CPU before the first pair.
-  flight_corridor::MatchingDevice device() const { return rig_.device(); }
+  /// See RigPipeline.
+  const flight_corridor::MatchingDevice& device() const { return rig_.device(); }
 
  private:
   void forgetWhenTimeJumpsBack(const ros::Time& stamp);

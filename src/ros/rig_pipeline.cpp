@@ -82,18 +82,13 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
 }
 
 void RigPipeline::watchDevice() {
-  const std::string& failure = pipeline_->matchingDevice().failure;
-  if (failure.empty() || !device_failure_.empty()) return;
+  const auto& [name, failure] = pipeline_->matchingDevice();
+  device_.name = name;
+  if (failure.empty() || !device_.failure.empty()) return;
   ROS_WARN("from now on pairs are matched on the CPU (stereo/device: %s): %s", config_.stereo.device.c_str(),
            failure.c_str());
-  device_failure_ = failure;
+  device_.failure = failure;
   config_.stereo.device = "cpu";
-}
-
-flight_corridor::MatchingDevice RigPipeline::device() const {
-  flight_corridor::MatchingDevice device = is_fit_ ? pipeline_->matchingDevice() : flight_corridor::MatchingDevice();
-  device.failure = device_failure_;
-  return device;
 }
 
 void RigPipeline::setCorridor(const flight_corridor::CorridorConfig& corridor) {

@@ -38,8 +38,8 @@ class RigPipeline {
   /// After a pair: warns once when the GPU that was asked for does not match pairs; later rigs do without it.
   void watchDevice();
 
-  /// Where pairs are matched.
-  flight_corridor::MatchingDevice device() const;
+  /// Where the last pair was matched, and the failure of any rig so far.
+  const flight_corridor::MatchingDevice& device() const { return device_; }
   /// Valid after fit() returned 0.
   flight_corridor::Pipeline& operator*() { return *pipeline_; }
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
@@ -68,8 +68,8 @@ class RigPipeline {
   std::optional<Eigen::Isometry3d> T_C_L_;
   bool lidar_moved_ = false;  // since the pipeline got its pose
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
-  bool is_fit_ = false;         // else pipeline_ is only remembered for the next one to take over from
-  std::string device_failure_;  // of any rig so far
+  bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
+  flight_corridor::MatchingDevice device_;
   Throttle warning_, lidar_warning_, level_warning_;
 };
 
