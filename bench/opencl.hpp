@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 /// As much of OpenCL 1.2 as gpu_matcher needs, from whatever loader the machine has: no headers, nothing to link.
 namespace flight_corridor::bench {

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "flight_corridor/stereo/disparity_estimator.hpp"
@@ -165,22 +168,33 @@ TEST(DisparityEstimator, RefusesMoreDisparitiesThanAByteNumbers) {
   EXPECT_EQ(check(config).size(), 1u);
 }
 
-/// Matches some pairs as the CPU does, and fails from then on.
-class FailingMatcher : public DeviceMatcher {
+/// Matches as the CPU does; then something happens to the planes.
+class FakeMatcher : public DeviceMatcher {
  public:
-  FailingMatcher(const MatcherSize& size, int good_pairs)
-      : workers_(1), matcher_(size, workers_), good_pairs_(good_pairs) {}
+  using Change = std::function<void(const MatchPlanes&)>;
+
+  FakeMatcher(const MatcherSize& size, Change change)
+      : workers_(1), matcher_(size, workers_), change_(std::move(change)) {}
 
   std::string name() const override { return "a GPU"; }
   void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) override {
-    if (--good_pairs_ < 0) throw DeviceError("it is gone");
     matcher_.match(left, right, out);
+    change_(out);
   }
 
  private:
   BandWorkers workers_;
   SemiGlobalMatcher matcher_;
-  int good_pairs_;
+  Change change_;
+};
+
+DeviceMatcherFactory fakes(const FakeMatcher::Change& change) {
+  return [change](const MatcherSize& size) { return std::make_unique<FakeMatcher>(size, change); };
+}
+
+const DeviceMatcherFactory kNone = [](const MatcherSize&) { return nullptr; };
+const DeviceMatcherFactory kBroken = [](const MatcherSize&) -> std::unique_ptr<DeviceMatcher> {
+  throw DeviceError("broken");
 };
 
 StereoConfig onDevice(const std::string& device) {
@@ -189,11 +203,17 @@ StereoConfig onDevice(const std::string& device) {
   return config;
 }
 
+MatchingDevice deviceOf(const char* device, const DeviceMatcherFactory& make) {
+  return DisparityEstimator(onDevice(device), test_support::kSmallGeometry, kSmallest_m, make).device();
+}
+
 TEST(DisparityEstimator, MatchesOnTheCpuOnceTheDeviceHasFailed) {
   const StereoGeometry geometry(smallCalibration());
   const StereoFrame frame = wallFrame(geometry, 12, 0.0);
-  DisparityEstimator estimator(onDevice("gpu"), geometry, kSmallest_m,
-                               [](const MatcherSize& size) { return std::make_unique<FailingMatcher>(size, 1); });
+  int good_pairs = 2;  // the sample and one more
+  DisparityEstimator estimator(onDevice("gpu"), geometry, kSmallest_m, fakes([&](const MatchPlanes&) {
+                                 if (--good_pairs < 0) throw DeviceError("it is gone");
+                               }));
   const Disparity alone = estimate(frame, geometry);
   for (const bool has_failed : {false, true, true}) {
     Disparity disparity;
@@ -206,19 +226,89 @@ TEST(DisparityEstimator, MatchesOnTheCpuOnceTheDeviceHasFailed) {
 }
 
 TEST(DisparityEstimator, DoesWithoutADeviceThatIsNotThereOrCannotBeUsed) {
+  EXPECT_EQ(deviceOf("cpu", kBroken).failure, "");
+  EXPECT_EQ(deviceOf("auto", kNone).failure, "");
+  EXPECT_EQ(deviceOf("auto", kBroken).failure, "broken");
+  EXPECT_EQ(deviceOf("gpu", kNone).failure, "OpenCL finds no GPU: install its driver with OpenCL (clinfo lists it)");
+  EXPECT_EQ(deviceOf("gpu", kBroken).failure, "broken");
+}
+
+TEST(DisparityEstimator, DoesWithoutADeviceOfWhoseSampleOnePixelDiffers) {
+  constexpr std::size_t kPixel = 320 * 240 - 1;
+  const FakeMatcher::Change changes[] = {
+      [](const MatchPlanes& out) { out.best[kPixel] = 3.3f; },
+      [](const MatchPlanes& out) { out.repeated[kPixel] = 3.3f; },
+      [](const MatchPlanes& out) { out.competitor_farthest[kPixel] ^= 1; },
+      [](const MatchPlanes& out) { out.competitor_nearest[kPixel] ^= 1; },
+      [](const MatchPlanes& out) { out.flags[kPixel] ^= kDistinct; },
+      [](const MatchPlanes& out) { out.set[kPixel * 2 + 1] ^= 1; },  // two words a pixel
+  };
+  for (const FakeMatcher::Change& change : changes) {
+    const MatchingDevice device = deviceOf("auto", fakes(change));
+    EXPECT_EQ(device.name, "CPU") << &change - changes;
+    EXPECT_EQ(device.failure, "OpenCL: the device finds other matches than the CPU");
+  }
+}
+
+TEST(DisparityEstimator, ADeviceMayHaveANaNOfItsOwn) {
+  const auto negate = [](const MatchPlanes& out) {
+    for (int i = 0; i < 320 * 240; ++i) {
+      if (std::isnan(out.best[i])) out.best[i] = -out.best[i];
+    }
+  };
+  EXPECT_EQ(deviceOf("auto", fakes(negate)).failure, "");
+}
+
+TEST(DisparityEstimator, TheSampleHasEveryKindOfMatch) {
+  int matches = 0, repeated = 0, fractions = 0, flags[16] = {};
+  const auto count = [&](const MatchPlanes& out) {
+    for (int i = 0; i < 320 * 240; ++i) {
+      matches += !std::isnan(out.best[i]);
+      fractions += std::fmod(out.best[i], 1.0f) > 0.0f;
+      repeated += !std::isnan(out.repeated[i]);
+      ++flags[out.flags[i]];
+    }
+  };
+  EXPECT_EQ(deviceOf("gpu", fakes(count)).name, "a GPU");
+  std::printf("%d %d %d\n", matches, fractions, repeated);
+  for (int f : flags) std::printf("%d ", f);
+  EXPECT_GT(matches, 5000);
+  EXPECT_GT(fractions, 5000);
+  EXPECT_GT(repeated, 1000);
+}
+
+TEST(DisparityEstimator, ADeviceWithoutANameIsNotUsed) {
+  struct Nameless : FakeMatcher {
+    using FakeMatcher::FakeMatcher;
+    std::string name() const override { throw DeviceError("no name"); }
+  };
+  int pairs = 0;
   const StereoGeometry geometry(smallCalibration());
-  const DeviceMatcherFactory none = [](const MatcherSize&) { return nullptr; };
-  const DeviceMatcherFactory broken = [](const MatcherSize&) -> std::unique_ptr<DeviceMatcher> {
-    throw DeviceError("broken");
+  DisparityEstimator estimator(onDevice("auto"), geometry, kSmallest_m, [&](const MatcherSize& size) {
+    return std::make_unique<Nameless>(size, [&](const MatchPlanes&) { ++pairs; });
+  });
+  Disparity disparity;
+  estimator.estimate(wallFrame(geometry, 12, 0.0), disparity);
+  EXPECT_EQ(pairs, 1);  // the sample
+  EXPECT_EQ(estimator.device().name, "CPU");
+  EXPECT_EQ(estimator.device().failure, "no name");
+}
+
+TEST(DisparityEstimator, AGpuThatWasAskedForIsRequired) {
+  const auto refusal = [](const char* device, const DeviceMatcherFactory& make) -> std::string {
+    try {
+      requireDevice(onDevice(device), make);
+      return "";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
   };
-  const auto failure = [&](const char* device, const DeviceMatcherFactory& make) {
-    return DisparityEstimator(onDevice(device), geometry, kSmallest_m, make).device().failure;
-  };
-  EXPECT_EQ(failure("cpu", broken), "");
-  EXPECT_EQ(failure("auto", none), "");
-  EXPECT_EQ(failure("auto", broken), "broken");
-  EXPECT_EQ(failure("gpu", none), "there is no GPU");
-  EXPECT_EQ(failure("gpu", broken), "broken");
+  EXPECT_EQ(refusal("cpu", kBroken), "");
+  EXPECT_EQ(refusal("auto", kBroken), "");
+  EXPECT_EQ(refusal("gpu", fakes([](const MatchPlanes&) {})), "");
+  EXPECT_EQ(refusal("gpu", kBroken), "stereo/device: gpu: broken, or choose cpu or auto");
+  EXPECT_EQ(refusal("gpu", fakes([](const MatchPlanes& out) { out.flags[0] ^= kDistinct; })),
+            "stereo/device: gpu: OpenCL: the device finds other matches than the CPU, or choose cpu or auto");
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
 
-#include <algorithm>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "stereo/row_matcher.hpp"
 

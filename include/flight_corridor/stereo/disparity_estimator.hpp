@@ -22,9 +22,9 @@ struct StereoConfig {
 };
 Violations check(const StereoConfig& config);
 
-/// Throws unless device is "cpu" or "auto", or there is a GPU that matches a small pair as the CPU does.
+/// Throws unless device is "cpu" or "auto", or a DisparityEstimator of small images takes the GPU.
 /// @throws std::invalid_argument naming what is missing.
-void requireDevice(const StereoConfig& config);
+void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
 
 /// Where pairs are matched.
 struct MatchingDevice {
@@ -37,8 +37,9 @@ struct Disparity : DisparityEvidence {
   double matched_fraction = 0.0;  ///< Share of pixels with a match [0..1].
 };
 
-/// Disparity of rectified pairs, the same on every device. When a device fails, that pair and all further ones are
-/// matched on the CPU. One object, one thread; output buffers are reused.
+/// Disparity of rectified pairs, the same on every device: one that does not match a sample of this size as the CPU
+/// does is not taken. When a device fails, that pair and all further ones are matched on the CPU. One object, one
+/// thread; output buffers are reused.
 class DisparityEstimator {
  public:
   /// @param smallest_obstacle_m smaller patches of matches are removed, see Patches.
