@@ -7,10 +7,11 @@
 
 namespace flight_corridor {
 
-/// Threads that wait for jobs of some independent parts. Unlike OpenCV's, starting a job allocates no memory.
+/// Threads that wait for jobs of several independent parts. Unlike OpenCV's, starting a job allocates no memory.
 class BandWorkers {
  public:
-  /// @param threads that work on a job, the caller of run() included; 1 or more. Fewer work where the system has none.
+  /// @param threads that work on a job, the caller of run() included; 1 or more. Fewer work if the system cannot start
+  /// more.
   explicit BandWorkers(int threads);
   ~BandWorkers();
   BandWorkers(const BandWorkers&) = delete;
@@ -34,7 +35,7 @@ class BandWorkers {
 
   std::mutex mutex_;
   std::condition_variable begin_, end_;
-  void* job_ = nullptr;  // this and what follows: guarded by mutex_
+  void* job_ = nullptr;  // this and the following members: guarded by mutex_
   Call call_ = nullptr;
   int parts_ = 0, next_ = 0, unfinished_ = 0;
   bool stop_ = false;

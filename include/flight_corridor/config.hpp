@@ -13,13 +13,13 @@ namespace flight_corridor {
 
 /// The published cloud.
 struct CloudConfig {
-  double max_range_m = 8.0;         ///< Points further are left out.
-  int min_neighbours = 3;           ///< Of a pixel's 8 neighbours, those within 3 sigma_Z; fewer: noise.
+  double max_range_m = 8.0;         ///< Farther points are left out.
+  int min_neighbours = 3;           ///< Of a pixel's 8 neighbours within 3 sigma_Z; a point with fewer is noise.
   double disparity_sigma_px = 0.5;  ///< sigma_d of that sigma_Z.
 };
 Violations check(const CloudConfig& config);
 
-/// Every module's configuration; the YAML's sections bear the members' names.
+/// Every module's configuration; the YAML's sections have the members' names.
 struct Config {
   StereoConfig stereo;
   LidarConfig lidar;

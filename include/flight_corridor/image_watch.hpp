@@ -10,11 +10,11 @@
 
 namespace flight_corridor {
 
-/// What is remembered of stereo pairs: whether their images can be two cameras' at that moment.
+/// Checks by memory of earlier pairs whether the images can be two cameras' at that moment.
 class ImageWatch {
  public:
-  /// @return reasons: kBadImage where left and right are one image, kFrozenImage where an image equals that of a pair
-  /// before under another stamp; both bit-identical, which a camera's noise does not allow.
+  /// @return reasons: kBadImage if left and right are bit-identical, kFrozenImage if an image is bit-identical to that
+  /// of an earlier pair with another stamp: a camera's noise does not allow either.
   std::uint32_t faults(const StereoFrame& frame);
 
  private:

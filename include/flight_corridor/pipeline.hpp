@@ -20,7 +20,7 @@
 
 namespace flight_corridor {
 
-/// What the stages of one pair took on a steady clock.
+/// Durations of one pair's stages, by a steady clock.
 struct StageTimes {
   double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;
 };
@@ -28,13 +28,13 @@ struct StageTimes {
 /// Poses of the rig.
 struct Rig {
   std::optional<Eigen::Isometry3d> T_C_L;          ///< LiDAR (beam along +x); without it LiDAR readings are not used.
-  Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Frame of the corridor (x forward), at first: pointAlong().
+  Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Initial frame of the corridor (x forward): pointAlong().
 };
 
-/// Everything that one stereo pair gave.
+/// The whole result of one stereo pair.
 struct Report : TrackedRange {
   Verdict verdict;
-  bool clears = false;  ///< What this pair shows free may be believed: it went into the map.
+  bool clears = false;  ///< The free space of this pair is trusted: it went into the map.
   StageTimes times;
 };
 
@@ -46,11 +46,12 @@ struct Counters : RangeCounts {
 /// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one caller at a time; in flight nothing throws.
 class Pipeline {
  public:
-  /// @throws std::invalid_argument with every broken rule of the config or the rig, or when stereo sees nothing before
+  /// @throws std::invalid_argument with every broken rule of the config or the rig, or if stereo sees nothing before
   /// the corridor's last quarter.
   Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
 
-  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the pair that is not before it.
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the first pair that is not
+  /// before it.
   void addRange(const RangeReading& reading) { range_tracker_.addRange(reading); }
 
   /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
@@ -58,25 +59,24 @@ class Pipeline {
     range_tracker_.addAcceleration(stamp_s, acceleration_C_mps2);
   }
 
-  /// From now on the LiDAR sits there, or there is none: RangeTracker::mount().
-  /// @throws std::invalid_argument when its beam does not look ahead.
+  /// Sets the LiDAR's pose, or that there is no LiDAR: RangeTracker::mount().
+  /// @throws std::invalid_argument if its beam does not point ahead.
   void mountLidar(const std::optional<Eigen::Isometry3d>& T_C_L) { range_tracker_.mount(T_C_L); }
 
-  /// The verdict for one stereo pair. One with an earlier stamp than the last is refused (NO_DATA): where the clock was
+  /// The verdict for one stereo pair. A pair with an earlier stamp than the last is refused (NO_DATA): if the clock was
   /// set back, make a new pipeline.
-  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed when map/frame_id is set,
-  /// else unused.
+  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed if map/frame_id is set, else
+  /// unused.
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
-  /// What is known of any box now, by the corridor's rule. Of one that does not begin at the UAV nothing is exempt for
-  /// being out of view, but what a map in a fixed frame remembers. The answer is as old as its stamp, the last frame's:
-  /// judge its age.
-  /// @param box in the map's frame: map/frame_id, without it C at the last frame.
+  /// The verdict on any box, by the corridor's rule. If the box does not begin at the UAV, the part out of view is not
+  /// excused, unless a map in a fixed frame knows it. The answer has the last frame's stamp: judge its age.
+  /// @param box in the map's frame: map/frame_id, else C at the last frame.
   /// @throws std::invalid_argument with every broken rule of check(box).
   Verdict query(const Box& box) const;
 
-  /// Which directions are free now, by the corridor's rule and the last pair.
+  /// The free directions, by the corridor's rule and the last pair.
   /// @param goal_C wanted direction in C, of any length; absent: along the corridor.
   /// @return valid until the next call.
   const AreaGrid& freeAreas(const std::optional<Eigen::Vector3d>& goal_C = std::nullopt);
@@ -85,22 +85,22 @@ class Pipeline {
   /// @param R_C_H turns vectors of a level frame, x along the heading, z up, into C.
   LevelScan levelScan(const Eigen::Matrix3d& R_C_H);
 
-  /// Cells of the map that meet a box, in the map's frame, are unknown again.
+  /// Makes the cells of the map that meet a box unknown; in the map's frame.
   void clear(const Eigen::AlignedBox3d& box_M) {
     map();
     map_.clear(box_M);
     is_cleared_ = true;
   }
 
-  /// From now on the corridor points along +x of F.
+  /// Points the corridor along +x of F from now on.
   void pointAlong(const Eigen::Isometry3d& T_C_F) { rig_.T_C_F = T_C_F; }
 
-  /// From now on this corridor is judged; map, ranges and scale stay.
-  /// @throws std::invalid_argument as the constructor does; then nothing has changed.
+  /// Changes the corridor from now on; map, ranges and scale are kept.
+  /// @throws std::invalid_argument like the constructor; then nothing has changed.
   void setCorridor(const CorridorConfig& corridor);
 
-  /// Remembers of another rig's pipeline what does not depend on the rig: the newest images, and when something
-  /// blocked.
+  /// Takes over from another rig's pipeline what does not depend on the rig: the newest images, and the time of the
+  /// last obstacle.
   void takeOver(const Pipeline& before);
 
   /// As given, with the corridor of setCorridor().
@@ -109,21 +109,21 @@ class Pipeline {
   const Counters& counters() const { return counters_; }
   /// Where pairs are matched.
   const MatchingDevice& matchingDevice() const { return disparity_estimator_.device(); }
-  /// Nothing nearer is seen by stereo: that space stays unobserved [m].
+  /// Stereo sees nothing nearer: that space stays unobserved [m].
   double nearestDepth() const { return disparity_estimator_.nearestDepth(); }
-  /// Whether stereo sees all that corridor/blind_m does not excuse: then rays may be cleared from the camera on.
+  /// Whether stereo sees all space that corridor/blind_m does not excuse: then rays may be cleared from the camera on.
   bool seesFromBlind() const { return nearestDepth() <= config_.corridor.blind_m; }
   /// Products of the last processed frame.
   const Disparity& disparity() const { return disparity_; }
-  /// The evidence: depth along z of C of what is matched, CV_32FC1 [m], NaN = nothing.
+  /// The evidence: depth along z of C of the matches, CV_32FC1 [m], NaN = no match.
   const cv::Mat& depth() const { return depth_m_; }
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
   cv::Mat doubtful() const { return inspector_.doubtful(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
-  /// What has been learnt of the rig's scale and offset.
+  /// The learnt scale and offset of the rig.
   const ScaleCorrection& scale() const { return range_tracker_.scale(); }
-  /// In the map's frame M. Without map/frame_id it is built here, of the last frame alone, when somebody asks first.
+  /// In the map's frame M. Without map/frame_id it is built at the first call, from the last frame only.
   const OccupancyMap& map() const;
   /// Left camera in the map's frame at the last frame; identity without map/frame_id.
   const Eigen::Isometry3d& T_M_C() const { return T_M_C_; }
@@ -153,7 +153,7 @@ class Pipeline {
   RangeTracker range_tracker_;
   mutable OccupancyMap map_;
   mutable bool is_map_current_ = true;  // it holds the last frame
-  bool is_cleared_ = false;             // in part, since then
+  bool is_cleared_ = false;             // partly, since then
   Texture left_texture_, right_texture_;
   ClearRays rays_;
   BoxInspector inspector_;
@@ -164,7 +164,7 @@ class Pipeline {
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
-  std::uint32_t box_reasons_ = 0;   // what it shows of the corridor
+  std::uint32_t box_reasons_ = 0;   // reasons from its evidence about the corridor
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   cv::Mat depth_m_;

@@ -38,12 +38,12 @@ struct StereoFrame {
   cv::Mat right;          ///< CV_8UC1, rectified, same size and rows as left.
 };
 
-/// One reading of the one-dimensional LiDAR, as the driver gave it.
+/// One reading of the one-dimensional LiDAR, as the driver sent it.
 struct RangeReading {
   double stamp_s = kNaN;
   double range_m = kNaN;           ///< Along the beam. REP-117: -inf too close, +inf nothing in range, NaN erroneous.
   double min_range_m = 0.0;        ///< Nearer readings are refused.
-  double max_range_m = kInfinity;  ///< So are farther ones: nothing is in range.
+  double max_range_m = kInfinity;  ///< Farther ones mean that nothing is in range.
   double field_of_view_rad = 0.0;  ///< Full width of the beam's cone.
 };
 

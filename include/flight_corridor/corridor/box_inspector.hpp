@@ -13,7 +13,7 @@
 
 namespace flight_corridor {
 
-/// What one stereo pair gave, for whatever box is asked about; views.
+/// The evidence of one stereo pair, for any box; views.
 struct PairEvidence {
   const StereoFrame& images;
   const DisparityEvidence& disparity;
@@ -24,23 +24,24 @@ struct PairEvidence {
   double nearest_m;  ///< Nothing nearer is matched.
 };
 
-/// What a pair shows of a box.
+/// The evidence of a pair about a box.
 struct BoxEvidence {
   std::vector<BoxPatch> patches;  ///< In it and close beside it.
   Unobserved unobserved;
   bool is_ambiguous = false;  ///< Matches behind it fit in it as well.
 };
 
-/// Looks at boxes with a pair's eyes: presence, absence and doubt, each by patches as large as the smallest obstacle.
-/// One object, one thread.
+/// Judges boxes by one pair: presence, absence and doubt, each by patches as large as the smallest obstacle. One
+/// object, one thread.
 class BoxInspector {
  public:
   explicit BoxInspector(const StereoGeometry& geometry);
 
   /// @param from_m depth from which on the boxes must be seen.
-  /// @param is_lidar_valid a direction: the LiDAR measured what its beam meets in the view of the box's end.
-  /// @return a direction; valid until the next call. Where there are several, doubt is not looked for where the
-  /// box is UNKNOWN anyway, nor patches beside it.
+  /// @param is_lidar_valid per direction: the LiDAR has measured the surface that its beam meets in the view of the
+  /// box's end.
+  /// @return per direction; valid until the next call. If there are several, neither doubt is searched in boxes that
+  /// are UNKNOWN anyway, nor patches beside a box.
   const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, double from_m, double smallest_m,
                                           const std::vector<bool>& is_lidar_valid, BandWorkers& workers);
 

@@ -10,21 +10,21 @@
 
 namespace flight_corridor {
 
-/// How far the rays of both cameras are clear, by one pair: up to what they meet. A match says so of its ray in either
-/// camera where it stands on texture, and of a repeated pattern its nearest place does. A run of pixels without
-/// texture, whose two ends stand on texture, is no nearer than the nearer of these, where the right image shows it
-/// between the same two ends: an edge that crosses the rows belongs to the nearer of the two surfaces beside it. One
-/// object, one caller at a time.
+/// How far the rays of both cameras are clear, by one pair: up to the surface that they meet. A match on texture is
+/// that surface for its ray in either camera; of a repeated match it is the nearest candidate. A run of pixels without
+/// texture is no nearer than the nearer of its two ends, if these are on texture and the right image shows the run
+/// between the same two: an edge that crosses the rows belongs to the nearer of the two surfaces beside it. One object,
+/// one caller at a time.
 class ClearRays {
  public:
   explicit ClearRays(const StereoGeometry& geometry);
 
-  /// @param left, right CV_8UC1, where the images have texture, see Texture.
+  /// @param left, right CV_8UC1, masks of the images' texture, see Texture.
   void look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
             const ScaleCorrection& correction, BandWorkers& workers);
 
   /// Whether the ray of a left pixel, or that of the right camera to the same point, is clear there.
-  /// @param at_px disparity of the point, corrected.  @param shift_px by which the right pixel lies to the left of u.
+  /// @param at_px disparity of the point, corrected.  @param shift_px offset of the right pixel to the left of u.
   bool isClear(int u, int v, float at_px, int shift_px) const {
     return met_left_px_.at<float>(v, u) < at_px ||
            (shift_px <= u && u - shift_px < met_right_px_.cols && met_right_px_.at<float>(v, u - shift_px) < at_px);
@@ -39,7 +39,7 @@ class ClearRays {
   StereoGeometry geometry_;
   double first_px_;  // smallest disparity searched
   cv::Mat met_left_px_,
-      met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, noise included; +inf: not
+      met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, with noise; +inf: not clear
 };
 
 }  // namespace flight_corridor

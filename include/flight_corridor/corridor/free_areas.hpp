@@ -9,11 +9,11 @@
 
 namespace flight_corridor {
 
-/// Section `free_areas/`: the directions that are looked at, a grid about the corridor's axis.
+/// Section `free_areas/`: the directions that are judged, a grid about the corridor's axis.
 struct FreeAreasConfig {
-  double yaw_rad = 0.5236;    ///< To the left and to the right, so far.
-  double pitch_rad = 0.1745;  ///< Up and down, so far.
-  double step_rad = 0.0873;   ///< From a direction to the next.
+  double yaw_rad = 0.5236;    ///< Largest angle to the left and to the right.
+  double pitch_rad = 0.1745;  ///< Largest angle up and down.
+  double step_rad = 0.0873;   ///< From one direction to the next.
 };
 /// Every broken rule.
 Violations check(const FreeAreasConfig& config);
@@ -29,32 +29,31 @@ struct FreeArea {
 struct AreaGrid {
   int columns = 0, rows = 0;
   std::vector<FreeArea> areas;
-  int best = -1;  ///< Index of the FREE one to be taken; -1: none is FREE.
+  int best = -1;  ///< Index of the best FREE direction; -1: no direction is FREE.
 };
 
-/// The nearest obstacles around, in a level sheet as high as the corridor.
+/// The nearest obstacles around, in a level layer as high as the corridor.
 struct LevelScan {
-  double first_yaw_rad = 0.0, step_rad = 0.0;  ///< Left of the heading; each range is of the middle of its step.
+  double first_yaw_rad = 0.0, step_rad = 0.0;  ///< Left of the heading; each range is at the middle of its step.
   double max_range_m = 0.0;
-  std::vector<double> range_m;  ///< From the camera on; +inf: seen to be free up to max_range_m, NaN: not known.
+  std::vector<double> range_m;  ///< From the camera on; +inf: observed free up to max_range_m, NaN: not known.
 };
 
-/// The directions, not known yet.
+/// A scan in which nothing is known.
 LevelScan unknownScan(double step_rad, double max_range_m);
 
 /// The angles of a grid's columns, or rows: from -limit to limit, 0 among them.
 std::vector<double> gridAngles(double limit_rad, double step_rad);
 
-/// The directions, not judged yet.
+/// The grid, not judged yet.
 AreaGrid areaGrid(const FreeAreasConfig& config);
 
 /// Unit vector of a direction in the corridor's frame.
 Eigen::Vector3d ahead(const FreeArea& area);
 
-/// The FREE direction nearest to a wanted one; of those that are as near, to a step, the one with most that is free
-/// beside it.
+/// The FREE direction nearest to a wanted one; of those equally near, to a step, the one with most FREE neighbours.
 /// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
-/// @return -1: none is FREE.
+/// @return -1: no direction is FREE.
 int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
 
 }  // namespace flight_corridor

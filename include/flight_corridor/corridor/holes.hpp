@@ -11,22 +11,23 @@
 
 namespace flight_corridor {
 
-/// What the newest pair does not show clear of a box.
+/// The part of a box that the newest pair does not show clear.
 struct Unobserved {
-  double hole_m = 0.0;           ///< Edge of the nearest square in which no ray is clear; 0: none hides an obstacle.
-  cv::Rect hole_px;              ///< Where that is on the left image.
-  double hole_depth_m = kNaN;    ///< ... and how far away.
-  double hole_along_m = 0.0;     ///< ... along the box's axis; +inf: there is none.
-  double fraction = 1.0;         ///< Share of the box's volume without a clear ray, of what both cameras see [0..1].
-  double out_of_view = 1.0;      ///< Share of the box's volume that they do not see [0..1].
-  double too_near = 1.0;         ///< ... since stereo is blind there.
-  double end_out_of_view = 1.0;  ///< ... of its last quarter.
+  double hole_m = 0.0;           ///< Edge of the nearest square without a clear ray; 0: no square hides an obstacle.
+  cv::Rect hole_px;              ///< Its place on the left image.
+  double hole_depth_m = kNaN;    ///< Its depth.
+  double hole_along_m = 0.0;     ///< Its distance along the box's axis; +inf: no hole.
+  double fraction = 1.0;         ///< Share without a clear ray of the volume in view of both cameras [0..1].
+  double out_of_view = 1.0;      ///< Share of the box's volume out of their view [0..1].
+  double too_near = 1.0;         ///< Share nearer than stereo sees.
+  double end_out_of_view = 1.0;  ///< Share of its last quarter out of view.
 
-  /// Whether somewhere in view the smallest obstacle could stand unseen.
+  /// Whether the smallest obstacle could stand unseen somewhere in view.
   bool hasHole() const { return hole_along_m != kInfinity; }
 };
 
-/// Of the smallest obstacle's edge: of what is as large, half a census window more is lost. A smaller hole hides none.
+/// Times the smallest obstacle's edge: matches are lost half a census window around it. A smaller hole hides no
+/// obstacle.
 constexpr double kHole = 1.6;
 
 /// Looks for holes: places in a box, at any depth, in which an obstacle could stand unseen. Depths are sampled. One
@@ -35,29 +36,29 @@ class Holes {
  public:
   explicit Holes(const StereoGeometry& geometry) : geometry_(geometry) {}
 
-  /// @param from_m depth from which on the boxes must be seen.  @param nearest_m nothing nearer is matched: all of that
-  /// is unclear, but no hole.  @param smallest_m edge of the smallest obstacle: holes are measured by a sixth of it,
+  /// @param from_m depth from which on the boxes must be seen.  @param nearest_m nothing nearer is matched: that space
+  /// is unclear, but not a hole.  @param smallest_m edge of the smallest obstacle: holes are measured to a sixth of it,
   /// or to a pixel.
-  /// @return what is not clear of each direction's box, valid until the next call.
+  /// @return the unobserved part of each direction's box, valid until the next call.
   const std::vector<Unobserved>& find(const Fan& fan, const ClearRays& rays, const ScaleCorrection& correction,
                                       double from_m, double nearest_m, double smallest_m);
 
  private:
-  /// A depth, and where the boxes cross it.
+  /// A depth, and the sections of the boxes there.
   struct Plane {
     double depth_m = 0.0, thick_m = 0.0;  // of the slice at whose end it is
     int stride_px = 1;
     cv::Rect view;                  // around all sections
     std::vector<Section> sections;  // a direction
   };
-  /// Where the last pair puts a plane.
+  /// A plane in the last pair's disparities.
   struct Place {
     float at_px = 0.0f;        // corrected disparity
     int shift_px = 0;          // from a left pixel to the right one
     bool is_searched = false;  // not too near to be matched
     int edge = 1;              // of a square that hides the smallest obstacle, in strides
   };
-  /// What a plane's pixels show of one box.
+  /// Counts of a plane's pixels in one box.
   struct Look {
     int seen = 0, unclear = 0;
     bool may_hide = false;  // the smallest obstacle
@@ -85,8 +86,8 @@ class Holes {
   std::vector<Plane> planes_;                          // of fan_, the nearest first
   std::vector<Place> places_;                          // a plane
   std::vector<Look> looks_;                            // a plane and direction
-  cv::Mat unclear_, hides_, unclear_sum_, hides_sum_;  // of the plane that is looked at, strided
-  std::vector<int> squares_, above_;  // edges of the squares that end at each column, of this row and the one above
+  cv::Mat unclear_, hides_, unclear_sum_, hides_sum_;  // of the current plane, strided
+  std::vector<int> squares_, above_;  // edges of the squares that end at each column, in this row and in the one above
   std::vector<Unobserved> found_;
 };
 

@@ -11,29 +11,28 @@
 
 namespace flight_corridor {
 
-/// Whether railings may stand in boxes before the wall behind them. Equal bars match at their disparity, and at those
-/// that are smaller by their pitch, too; where the wall is there, they are taken for it. Then many windows of 5 px by 5
-/// px that were matched on one surface fit in the box as well, all at one same offset, and so far beside them, where
-/// the next bar is, there are others of them. So do those of a fence or a net that is behind the box, but beside these
-/// something is farther: no wall shows at the very distance of the pattern. And no fence's bars are as far apart as
-/// those of a near railing would be there. One object, one
-/// thread.
+/// Whether railings may stand in boxes before the wall behind them. Equal bars match at their own disparity, and at one
+/// that is smaller by their pitch; if the wall is there, they are matched on it. Then many windows of 5 px by 5 px that
+/// were matched on one surface fit in the box as well, all at one common offset, and there are others at the place of
+/// the next bar. The same holds for a fence or a net behind the box. But beside these a farther surface shows, and no
+/// wall at the distance of the pattern; and no fence's bars are as far apart as those of a near railing would be there.
+/// One object, one thread.
 class Railings {
  public:
   explicit Railings(const StereoGeometry& geometry);
   ~Railings();
 
-  /// From now on this pair is looked at; a window of it once, whatever the boxes.
+  /// Sets the pair; each of its windows is compared once, whatever the boxes.
   /// @param fan all boxes.  @param depth_m CV_32FC1 of the pair's size, NaN = nothing known.
-  /// @param nearest_m that is searched.
+  /// @param nearest_m nearest depth to search.
   void look(const Fan& fan, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m);
 
-  /// @param is_lidar_valid whether the LiDAR's beam meets something in the view of the box's end: where nearly all
-  /// windows are of the pattern, it is there. Between the bars of a railing the beam may pass.
+  /// @param is_lidar_valid whether the LiDAR's beam meets a surface in the view of the box's end: if nearly all windows
+  /// are of the pattern, the pattern is there. Between the bars of a railing the beam may pass.
   bool mayBeIn(const Box& box_C, bool is_lidar_valid);
 
  private:
-  /// A small window of the left image, and where else it fits.
+  /// A small window of the left image, and the other disparities at which it fits.
   struct Window;
 
   const Window& window(int u, int v);

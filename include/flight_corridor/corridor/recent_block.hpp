@@ -7,29 +7,30 @@
 
 namespace flight_corridor {
 
-/// What blocked a box lately, and whether it may be there still though the newest image does not show it. Images that
-/// follow each other miss thin and small obstacles now and then, and move what stands at the box's edge in and out.
+/// The last obstacle in a box, and whether it may still be there although the newest image does not show it. Single
+/// images miss thin and small obstacles now and then, and noise moves obstacles at the box's edge in and out.
 class RecentBlock {
  public:
-  /// @param hold_s for so long FREE waits for what may be missed.
+  /// @param hold_s FREE waits for this long after an obstacle that images may miss.
   explicit RecentBlock(double hold_s) : hold_s_(hold_s) {}
 
-  /// From now on FREE waits for so long.
+  /// Sets the wait from now on.
   void setHold(double hold_s) { hold_s_ = hold_s; }
 
-  /// Something blocks the box. It cannot be missed if the newest pair shows it, and shows it large.
+  /// An obstacle blocks the box. Images cannot miss it if the newest pair shows it, and shows it large.
   /// @param verdict with its stamp and clear distance.  @param patches of the newest pair.
   void onBlocked(const Verdict& verdict, const std::vector<BoxPatch>& patches, double smallest_m);
 
-  /// Within hold_s: after what may be missed, and after what stood at the box's edge while something still does.
+  /// Whether an obstacle may remain, within hold_s: one that images may miss, or one at the box's edge while there
+  /// still is one.
   bool mayRemain(double stamp_s, const std::vector<BoxPatch>& patches, double smallest_m) const;
 
-  /// Of another rig's images: all that blocked may be missed by the new one.
+  /// From another rig: the new one's images may miss any obstacle of before.
   void takeOver(const RecentBlock& before) { blocked_s_ = missable_s_ = before.blocked_s_; }
 
  private:
   double hold_s_;
-  // Stamps of the last BLOCKED: by anything, by what may be missed, by what reached no farther than the box's edge.
+  // Stamps of the last BLOCKED: by any obstacle, by one that images may miss, by one at the box's edge only.
   double blocked_s_ = -kInfinity, missable_s_ = -kInfinity, edge_s_ = -kInfinity;
 };
 

@@ -7,16 +7,16 @@
 
 namespace flight_corridor {
 
-/// Where a box crosses one depth.
+/// The section of a box at one depth.
 struct Section {
-  cv::Rect view;         ///< Around it on the left image, cut to that; empty where it is out of view.
-  double area_m2 = 0.0;  ///< Of the rectangle around it, square to the camera.
+  cv::Rect view;         ///< Around it on the left image, clipped; empty if out of view.
+  double area_m2 = 0.0;  ///< Of the rectangle around it, parallel to the image.
 };
 
 /// @param depth_m along z of C.
 Section sectionAt(const Box& box_C, double depth_m, const StereoGeometry& geometry);
 
-/// Of a box's end, and of its part a little before that: by 15 % of the end's depth.
+/// Views of a box's end, and of the section before it by 15 % of the end's depth.
 cv::Rect viewOfEnd(const Box& box_C, const StereoGeometry& geometry);
 cv::Rect viewOfFarPart(const Box& box_C, const StereoGeometry& geometry);
 

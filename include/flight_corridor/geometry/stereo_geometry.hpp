@@ -21,11 +21,11 @@ struct StereoCalibration {
   double baseline_m = kNaN;   ///< Distance of the optical centres, 0.01 to 2.
 };
 
-/// T_C_F of a frame F at the camera's place, x forward, y left, z up: what lies ahead along the optical axis.
+/// T_C_F of a frame F at the camera: x forward along the optical axis, y left, z up.
 Eigen::Isometry3d opticalFromForward();
 
-/// Depth, disparity and points of one rectified pair. The only place that knows f*B/d.
-/// Depth is along the optical z axis of C (left rectified optical frame).
+/// Depth, disparity and points of one rectified pair. The only place of f*B/d. Depth is along the optical z axis of C
+/// (left rectified optical frame).
 class StereoGeometry {
  public:
   /// @throws std::invalid_argument naming every impossible number of the calibration.
@@ -40,8 +40,8 @@ class StereoGeometry {
   /// d = f*B/Z.  @return [px]; NaN unless Z > 0.
   double disparity(double depth_m) const { return depth_m > 0.0 ? focal_baseline_px_m_ / depth_m : kNaN; }
 
-  /// What a pixel covers of a surface that faces the camera: Z/f = B/d, along the row.  @return its edge [m]; NaN
-  /// unless d > 0.
+  /// Edge of a pixel on a surface that faces the camera: Z/f = B/d.
+  /// @return [m]; NaN unless d > 0.
   double pixelEdge(double disparity_px) const {
     return disparity_px > 0.0 ? calibration_.baseline_m / disparity_px : kNaN;
   }
@@ -51,15 +51,15 @@ class StereoGeometry {
     return depth_m * depth_m / focal_baseline_px_m_ * disparity_sigma_px;
   }
 
-  /// Depth of a surface if its disparity were larger by shift_px: fB/(fB/Z + shift).  @return [m]; +inf where it passes
-  /// 0.
+  /// Depth of a surface if its disparity were larger by shift_px: fB/(fB/Z + shift).  @return [m]; +inf if the
+  /// disparity passes 0.
   template <class Real>
   Real shiftedDepth(Real depth_m, double shift_px) const {
     const Real inverse = Real{1} / depth_m + static_cast<Real>(shift_px / focal_baseline_px_m_);
     return Real{1} / std::max(inverse, Real{0});  // NaN stays NaN
   }
 
-  /// What a matcher's u_l - u_r holds too much: cx_l - cx_r [px].
+  /// Excess of a matcher's u_l - u_r over disparity: cx_l - cx_r [px].
   double principalPointDifference() const { return calibration_.cx_px - calibration_.cx_right_px; }
 
   /// Point in C [m] of pixel (u, v) at a depth.

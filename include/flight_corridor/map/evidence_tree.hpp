@@ -4,7 +4,7 @@
 
 namespace flight_corridor {
 
-/// An octomap::OcTree that takes evidence for whole cubes of cells, and forgets boxes of them.
+/// An octomap::OcTree that adds evidence to whole cubes of cells, and forgets boxes of cells.
 class EvidenceTree : public octomap::OcTree {
  public:
   static constexpr unsigned kDepth = 16;    ///< Of cells; the root's is 0.
@@ -18,10 +18,10 @@ class EvidenceTree : public octomap::OcTree {
   /// @param depth of the cube, 0 = root.
   void add(const octomap::OcTreeKey& key, unsigned depth, float log_odds);
 
-  /// Updates the inner nodes, prunes. Needed after the last evidence before the tree is read or changed otherwise.
+  /// Updates the inner nodes and prunes. Needed after adding evidence, before the tree is read or otherwise changed.
   void settle();
 
-  /// Makes all cells between two, corners of a box of cells, unknown.
+  /// Makes all cells of a box unknown, given by its two corner cells.
   void forget(const octomap::OcTreeKey& low, const octomap::OcTreeKey& high);
 
   /// Key of the lowest cell of a cube's child.

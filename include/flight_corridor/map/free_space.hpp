@@ -14,8 +14,8 @@
 
 namespace flight_corridor {
 
-/// The cubes of an octree that a depth image shows free: the rays that meet them end beyond them. Found coarse to fine
-/// (after Reijgwart et al. 2023), by descending from the root only into cubes that may hold free cells.
+/// The cubes of an octree that a depth image shows free: the rays through them end beyond them. Found coarse to fine
+/// (after Reijgwart et al. 2023), descending from the root only into cubes that may hold free cells.
 class FreeSpace {
  public:
   /// A cube of the octree.
@@ -27,12 +27,12 @@ class FreeSpace {
   /// @param nearest_m depth of the nearest surface that would have been seen: nothing nearer is shown free.
   FreeSpace(const MapConfig& config, const StereoGeometry& geometry, double nearest_m);
 
-  /// All free cells, by the largest cubes that hold nothing else.
+  /// All free cells, as the largest cubes that hold only free cells.
   /// @param depth_m CV_32FC1 of geometry.size(), NaN = no ray.
   const std::vector<Cube>& find(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C);
 
  private:
-  /// Part of the image, its borders included [px].
+  /// Part of the image, borders included [px].
   struct Area {
     float left, top, right, bottom;
   };

@@ -8,7 +8,8 @@
 
 namespace flight_corridor {
 
-/// Whether the points in a cell make a hit: by its distance so many that speckles make none and thin poles do.
+/// Whether the points in a cell are a hit: the number depends on distance, so that thin poles make a hit and speckles
+/// do not.
 class HitRule {
  public:
   HitRule(const MapConfig& config, const StereoCalibration& calibration)
@@ -21,7 +22,7 @@ class HitRule {
     return points >= min_points_ && depth_m > 0.0f && face(points, depth_m) >= hit_fraction_;
   }
 
-  /// What share of a full face's points these are: f^2 r^2 / Z^2.
+  /// Share of the points of a full face, f^2 r^2 / Z^2.
   float face(std::uint32_t points, float depth_m) const {
     return static_cast<float>(points) * depth_m * depth_m / (cell_px_m_ * cell_px_m_);
   }

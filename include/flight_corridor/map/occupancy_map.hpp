@@ -19,28 +19,27 @@ namespace flight_corridor {
 /// Frame M is the map's: W with odometry, C without. Cells behind surfaces and without data stay unknown.
 class OccupancyMap {
  public:
-  /// @param nearest_m depth of the nearest surface that would have been seen: a depth image frees nothing nearer.
+  /// @param nearest_m depth of the nearest surface that would have been seen: a depth image clears nothing nearer.
   /// @throws std::invalid_argument with every broken rule.
   OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m = 0.0);
 
-  /// Hits: cells holding enough points for their distance. Misses: cells that the rays through them end beyond, coarse
-  /// to fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
+  /// Hits: cells with enough points for their distance. Misses: cells beyond which all rays through them end, coarse to
+  /// fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
-  /// @param clears false: hits alone, for an image that may have lost something.
+  /// @param clears false: only hits, for an image that may have missed obstacles.
   void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
 
   /// One beam: misses from origin to end, and a hit in the end's cell; nothing where one of them has no key.
   void insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M);
 
-  /// A window that moves with the camera: forgets what lies more than max_range_m beside centre_M on any axis and
-  /// blocks of 16 x 16 x 16 cells without evidence for forget_s. Evidence added from now on is of stamp_s. For maps in
-  /// a fixed frame.
+  /// A window that moves with the camera: forgets cells more than max_range_m from centre_M on any axis, and blocks of
+  /// 16 x 16 x 16 cells without evidence for forget_s. Later evidence gets stamp_s. For maps in a fixed frame.
   void keepAround(const Eigen::Vector3d& centre_M, double stamp_s);
 
-  /// Everything unknown again.
+  /// Makes everything unknown.
   void clear();
 
-  /// Cells that meet a box are unknown again; none where it is empty or NaN.
+  /// Makes the cells that meet a box unknown; no cell if it is empty or NaN.
   void clear(const Eigen::AlignedBox3d& box_M);
 
   const octomap::OcTree& tree() const { return tree_; }

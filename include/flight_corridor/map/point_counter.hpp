@@ -15,9 +15,8 @@ namespace flight_corridor {
 /// Points in each cell of an octree.
 using PointCounts = std::unordered_map<octomap::OcTreeKey, std::uint32_t, octomap::OcTreeKey::KeyHash>;
 
-/// How many points of a depth image fall into each cell; those beyond max_range_m, or outside of what an octree holds,
-/// are left out.
-/// @param depth_m CV_32FC1 of geometry.size(), NaN = no point. Taken to be nearer by hit_band_px.
+/// Counts the points of a depth image in each cell, without those beyond max_range_m or outside the octree.
+/// @param depth_m CV_32FC1 of geometry.size(), NaN = no point. Points are moved nearer by hit_band_px.
 PointCounts countPoints(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, const StereoGeometry& geometry,
                         const MapConfig& config);
 

@@ -13,9 +13,9 @@ namespace flight_corridor {
 
 /// Section `lidar/`: the one-dimensional LiDAR and its footprint in the left image.
 struct LidarConfig {
-  double min_range_m = 0.2;          ///< Readings below are refused, also when the message allows them.
-  double max_range_m = 100.0;        ///< Readings above mean "nothing in range".
-  double min_beam_width_rad = 0.02;  ///< Footprint used when the message's field_of_view is smaller.
+  double min_range_m = 0.2;          ///< Nearer readings are refused, even if the message allows them.
+  double max_range_m = 100.0;        ///< Farther readings mean "nothing in range".
+  double min_beam_width_rad = 0.02;  ///< Width of the footprint if the message's field_of_view is smaller.
   double min_valid_fraction = 0.3;   ///< Share of the footprint's pixels that must carry disparity.
 };
 Violations check(const LidarConfig& config);
@@ -31,25 +31,25 @@ struct FootprintReading {
   double disparity_px = kNaN;        ///< Median over the footprint.
   double disparity_sigma_px = kNaN;  ///< Robust spread (1.4826 * median absolute deviation) over the footprint.
   double range_m = kNaN;             ///< Of that disparity, uncorrected, along the beam from the LiDAR's origin.
-  double unity = 0.0;                ///< Share of the matches within six radii that are of the same surface [0..1].
+  double unity = 0.0;                ///< Share of the matches within six radii on the same surface [0..1].
   Footprint footprint{};
 };
 
-/// Where the LiDAR's beam lies in the left image. LiDAR and camera are not in one place, so the pixel moves with range.
+/// The LiDAR's beam in the left image. LiDAR and camera are not at the same place, so the pixel moves with range.
 class BeamFootprint {
  public:
   /// @param T_C_L LiDAR (beam along +x) to left optical frame.
   /// @param disparity_sigma_px of a match.
-  /// @throws std::invalid_argument with every broken rule, or when the beam does not look ahead.
+  /// @throws std::invalid_argument with every broken rule, or if the beam does not point ahead.
   BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L,
                 double disparity_sigma_px);
 
-  /// Whether a beam (along +x of L) points no more than 60 degrees off the optical axis: it can meet what is ahead.
+  /// Whether a beam (along +x of L) points no more than 60 degrees off the optical axis: it can meet surfaces ahead.
   static bool looksAhead(const Eigen::Isometry3d& T_C_L);
-  /// Whether the far end of a beam is on the left image, so that stereo sees what it meets.
+  /// Whether the far end of a beam is on the left image, so that stereo sees the surface that it meets.
   static bool endsInView(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L);
 
-  /// Footprint at a range along the beam; nullopt when it lies outside the image or behind the camera.
+  /// Footprint at a range along the beam; nullopt if it lies outside the image or behind the camera.
   std::optional<Footprint> at(double range_m, double beam_width_rad) const;
 
   /// Point of C at a range along the beam [m].
@@ -65,11 +65,11 @@ class BeamFootprint {
   /// so the two are iterated to agreement from a first guess.
   /// @param disparity_px CV_32FC1, NaN = no match.
   /// @param range_guess_m NaN: start at the far end.
-  /// @return nullopt when too few pixels match or no self-consistent surface is found.
+  /// @return nullopt if too few pixels match or no self-consistent surface is found.
   std::optional<FootprintReading> read(const cv::Mat& disparity_px, double range_guess_m, double beam_width_rad);
 
-  /// Matches within three radii of the beam at a range, where the beam may have met something by its edge; none where
-  /// they are fewer than lidar/min_valid_fraction of the pixels.  @return valid until the next call.
+  /// Matches within three radii of the beam at a range, where the beam's edge may have met a surface; empty if they are
+  /// fewer than lidar/min_valid_fraction of the pixels.  @return valid until the next call.
   const std::vector<float>& matchesBeside(const cv::Mat& disparity_px, double range_m, double beam_width_rad);
 
   /// Whether two disparities can be of one surface that faces the camera: within three sigma of a match; far away a

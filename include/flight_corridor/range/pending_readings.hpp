@@ -9,13 +9,13 @@
 
 namespace flight_corridor {
 
-/// No link holds a reading back longer, and no two clocks that are set alike differ by more.
+/// No link delays a reading longer, and no two synchronised clocks differ by more.
 constexpr double kLongestDelay_s = 1.0;
 
-/// Readings of one sensor that wait for the stereo pair that is not before them. The pairs' stamps alone say what time
-/// it is: a reading without a stamp, or farther from the pairs than kLongestDelay_s, is refused here, before anybody
-/// believes it. What waits when the first pair comes, or when the pairs' clock is set back, is of another time, and
-/// goes without a word. One thread.
+/// Readings of one sensor that wait for the first stereo pair that is not before them. Only the pairs' stamps define
+/// the time: a reading without a stamp, or farther from the pairs than kLongestDelay_s, is refused here, before it is
+/// used. Readings that wait when the first pair comes, or when the pairs' clock is set back, are of another time, and
+/// are dropped silently. One thread.
 template <typename Reading>
 class PendingReadings {
  public:
@@ -28,7 +28,7 @@ class PendingReadings {
     waiting_.push_back({stamp_s, std::move(reading)});
   }
 
-  /// Those not after a pair, in the order of arrival; later ones go on waiting for theirs.
+  /// Takes those not after a pair, in the order of arrival; later ones keep waiting.
   /// @return valid until the next call.
   const std::vector<Reading>& take(double pair_stamp_s) {
     const bool begins = !(pair_stamp_s >= pair_stamp_s_ - kLongestDelay_s);
@@ -51,19 +51,19 @@ class PendingReadings {
     return taken_;
   }
 
-  /// What waits goes, and so does what is known of the time.
+  /// Drops the waiting readings, and the knowledge of the time.
   void forget() {
     waiting_.clear();
     pair_stamp_s_ = kNaN;
   }
 
-  /// How many were refused for their stamp, or gave way to newer ones because no pair came.
+  /// Number refused for their stamps, or dropped for newer ones because no pair came.
   std::uint64_t refused() const { return refused_ + lost_; }
-  /// The last one's stamp less the pair's [s]; NaN: it had none.
+  /// The last one's stamp less the pair's [s]; NaN: without a stamp.
   double refusedDifference() const { return difference_s_; }
 
  private:
-  // While no pair comes: 16 s at 1 kHz, then the older half goes.
+  // While no pair comes: 16 s at 1 kHz, then the older half is dropped.
   static constexpr std::size_t kMostWaiting = 1 << 14;
 
   struct Waiting {

@@ -16,39 +16,39 @@ struct FusionConfig {
   double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
   double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
   double disparity_sigma_px = 0.1;          ///< sigma_d of R_stereo: (Z^2/(fB) sigma_d)^2.
-  double gate_sigma = 4.0;                  ///< Readings further from the prediction are gated; inf switches it off.
-  double lasting_s = 0.2;                   ///< A sensor gated for so long is in persistent disagreement.
-  double max_gap_s = 0.5;                   ///< Without readings for so long the state is forgotten.
-  double buffer_s = 0.5;                    ///< Readings up to so late are put where they belong.
+  double gate_sigma = 4.0;                  ///< Readings farther from the prediction are gated; inf: no gate.
+  double lasting_s = 0.2;                   ///< A sensor that is gated for this long is in persistent disagreement.
+  double max_gap_s = 0.5;                   ///< The state is forgotten after this long without readings.
+  double buffer_s = 0.5;                    ///< Readings that come up to this late are inserted at their own stamps.
 };
 /// Every broken rule.
 Violations check(const FusionConfig& config);
 
 enum class Sensor : std::uint8_t { Lidar = 0, Stereo = 1 };
 
-/// What became of a reading.
+/// The outcome of a reading.
 enum class Outcome : std::uint8_t { Accepted, Gated, Reinitialised, TooLate, Invalid };
 
 /// A sensor that is persistently outside the other's gate.
 struct Disagreement {
-  Sensor sensor;   ///< Stereo where both are: the range follows a nearer LiDAR.
-  double range_m;  ///< What it says.
+  Sensor sensor;   ///< Stereo if both are: the range follows a nearer LiDAR.
+  double range_m;  ///< Its own range.
 };
 
-/// d_K and what is known about it.
+/// d_K and its uncertainty.
 struct RangeEstimate {
   double range_m =
       kNaN;  ///< d_K along the beam, not negative; NaN unless two readings agreed and one came within fusion/max_gap_s.
   double sigma_m = kNaN;                     ///< One sigma of range_m.
   double rate_mps = kNaN;                    ///< Of range_m; negative while the surface comes nearer.
   std::optional<Disagreement> disagreement;  ///< None while the sensors agree.
-  bool lidar_repeats = false;                ///< Its readings are equal too often to be noise: it may be frozen.
+  bool lidar_repeats = false;                ///< The LiDAR's readings are equal too often for noise: it may be frozen.
 };
 
 /// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
-/// their own stamps (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001,
-/// eq. 6.2.2-12). Late readings are replayed into their place: any arrival order within the buffer gives the same
-/// state. No allocation after construction.
+/// their own stamps (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001, eq.
+/// 6.2.2-12). Late readings are inserted by replay: any arrival order within the buffer gives the same state. No
+/// allocation after construction.
 class RangeFusion {
  public:
   /// @throws std::invalid_argument with every broken rule.
@@ -56,8 +56,8 @@ class RangeFusion {
 
   /// @param range_m along the beam, > 0.  @param variance_m2 measurement noise R, > 0.
   /// @param common_sigma_1pm one sigma of an error of the inverse range that is the same in all of the sensor's
-  /// readings [1/m]: it counts against the other sensor, not among them.
-  /// @return what became of it; Invalid for what is not finite or not positive (not an error).
+  /// readings [1/m]: it counts between the sensors, not among these readings.
+  /// @return the outcome; Invalid for a reading that is not finite or not positive (not an error).
   Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2, double common_sigma_1pm = 0.0);
 
   /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
@@ -68,7 +68,7 @@ class RangeFusion {
   RangeEstimate at(double stamp_s) const;
 
  private:
-  enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order in which equal stamps are taken
+  enum class Kind : std::uint8_t { Acceleration, Lidar, Stereo };  // in the order of processing at equal stamps
   struct Reading {
     Kind kind = Kind::Lidar;
     double stamp_s = kNaN, value = kNaN, variance_m2 = kNaN;  // value: range [m] or acceleration [m/s^2]
@@ -77,27 +77,27 @@ class RangeFusion {
   /// Per-sensor memory that the gate needs.
   struct SensorTrack {
     double accepted_s = -kInfinity;  // its newest accepted reading
-    double period_s = kInfinity;     // from the one before to that
+    double period_s = kInfinity;     // from the one before to it
     double gated_since_s = kNaN;
     Reading gated;         // the newest of that run
     bool outlier = false;  // the last gated reading was of another surface, and was ignored as an outlier
-    Reading ignored;       // the last one that was
+    Reading ignored;       // the last one ignored
     double gatedFor() const { return gated.stamp_s - gated_since_s; }
   };
-  struct Repetition {  // a LiDAR that repeats one value bit by bit, and what was known when that began
+  struct Repetition {  // a LiDAR whose readings are bit-identical, and the state when that began
     double lidar_m = kNaN, since_s = kNaN;
     int readings = 0;
-    double speed_mps = 0.0;  // at least, of the range
+    double speed_mps = 0.0;  // lower bound, of the range
     double stereo_m = kNaN, stereo_variance_m2 = kNaN;
-    int moved = 0;         // stereo readings in a row that are elsewhere: one may be a peak
-    bool overdue = false;  // at that speed the LiDAR ought to have moved
+    int moved = 0;         // consecutive stereo readings that have moved: a single one may be a peak
+    bool overdue = false;  // at that speed the LiDAR should have moved
     bool isFrozen() const { return overdue || moved >= 2; }
   };
-  struct Filter {  // everything that one reading changes: copying it is remembering it
+  struct Filter {  // everything that one reading changes: a copy is a memory
     double stamp_s = kNaN;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-    double common_sigma_1pm = 0.0;  // that of the readings that hold the range
+    double common_sigma_1pm = 0.0;  // of the readings that support the range
     double acceleration_s = -kInfinity, acceleration_mps2 = 0.0;
     std::array<SensorTrack, 2> tracks;
     Repetition repetition;

@@ -14,46 +14,47 @@
 
 namespace flight_corridor {
 
-/// What is known of the beam at one stereo pair.
+/// The state of the beam at one stereo pair.
 struct TrackedRange {
   RangeEstimate range;           ///< d_K at the pair's stamp.
   double range_lidar_m = kNaN;   ///< d_L: newest usable reading not after the pair, within fusion/max_gap_s.
   double range_stereo_m = kNaN;  ///< D_c: scale-corrected stereo range on the beam.
   /// d_K rests on the LiDAR: it is not slow, not in persistent disagreement, and a reading was believed within
-  /// fusion/max_gap_s, since when all were of something farther.
+  /// fusion/max_gap_s; all later ones were of farther surfaces.
   bool lidar_range_valid = false;
   bool lidar_is_nearer =
-      false;                   ///< Than stereo, persistently, which shows nothing there beside the beam; or too close.
-  bool lidar_is_slow = false;  ///< It pauses thrice as long as of late.
+      false;  ///< Persistently nearer than stereo, which does not show it beside the beam; or too close.
+  bool lidar_is_slow = false;                 ///< It pauses three times its recent mean.
   bool lidar_is_rejected = false;             ///< Its newest reading was refused or gated.
   double scale = 1.0;                         ///< Depth after / before correction, at D_c (at 4 m without one).
-  double scale_sigma = kNaN;                  ///< One sigma of it, for what is unknown of the rig.
-  Outcome stereo_outcome = Outcome::Invalid;  ///< What became of D_c; Invalid without one.
+  double scale_sigma = kNaN;                  ///< One sigma of it, from the rig's uncertainty.
+  Outcome stereo_outcome = Outcome::Invalid;  ///< Outcome of D_c; Invalid without one.
 };
 
 /// Whether a reading is a range within the limits of its message and of the configuration.
 bool isRange(const RangeReading& reading, const LidarConfig& config);
 
-/// What became of the LiDAR's readings and of stereo's, since construction.
+/// Outcomes of the LiDAR's readings and of stereo's, since construction.
 struct RangeCounts {
   std::uint64_t lidar = 0;          ///< Readings whose pair has come.
-  std::uint64_t lidar_invalid = 0;  ///< ... that are no ranges within the limits, or came too late for the filter.
+  std::uint64_t lidar_invalid = 0;  ///< ... that are not within the limits, or came too late for the filter.
   std::uint64_t lidar_gated = 0;
   std::uint64_t stereo_gated = 0;
   std::uint64_t refused =
       0;  ///< Ranges and accelerations without a stamp, or too far from the pairs' (PendingReadings).
 };
 
-/// How far the surface on the LiDAR's beam is: d_K from the LiDAR's readings and from stereo's, and what the two teach
-/// about the rig's scale.
+/// The range of the surface on the LiDAR's beam: d_K from the LiDAR's readings and from stereo's; and the rig's scale,
+/// learnt from the two.
 class RangeTracker {
  public:
   /// @param T_C_L LiDAR to left optical frame; without it readings are not used, and the beam is the camera's axis.
-  /// @throws std::invalid_argument with what is wrong.
+  /// @throws std::invalid_argument with every broken rule.
   RangeTracker(const LidarConfig& lidar, const FusionConfig& fusion, const ScaleConfig& scale,
                const StereoGeometry& geometry, const std::optional<Eigen::Isometry3d>& T_C_L);
 
-  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the pair that is not before it.
+  /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the first pair that is not
+  /// before it.
   void addRange(const RangeReading& reading) { ranges_.put(reading.stamp_s, reading); }
 
   /// The rig's own acceleration, gravity removed, in C; at its own stamp, may come late like a range.
@@ -61,12 +62,12 @@ class RangeTracker {
     accelerations_.put(stamp_s, {stamp_s, acceleration_C_mps2});
   }
 
-  /// From now on the LiDAR sits there, or there is none. Where it comes or goes, what was known of the range is
-  /// forgotten; what was learnt of the scale stays.
-  /// @throws std::invalid_argument when its beam does not look ahead.
+  /// Sets the LiDAR's pose, or that there is no LiDAR. If it comes or goes, the range is forgotten; the learnt scale is
+  /// kept.
+  /// @throws std::invalid_argument if its beam does not point ahead.
   void mount(const std::optional<Eigen::Isometry3d>& T_C_L);
 
-  /// Fuses the readings up to a stereo pair, and what that shows on the beam.
+  /// Fuses the readings up to a stereo pair, and the pair's own range on the beam.
   /// @param stamp_s not before the last one.
   TrackedRange update(double stamp_s, const cv::Mat& disparity_px);
 
@@ -108,7 +109,7 @@ class RangeTracker {
   RangeCounts counts_;
   double pair_stamp_s_ = kNaN;  // of the newest pair
   double contradiction_s_ =
-      0.0;  // for so long the LiDAR contradicted stereo, less the time for which they agreed since
+      0.0;  // duration for which the LiDAR contradicted stereo, less that for which they agreed since
 };
 
 }  // namespace flight_corridor

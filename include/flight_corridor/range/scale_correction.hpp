@@ -9,34 +9,33 @@
 
 namespace flight_corridor {
 
-/// Section `scale/`: how wrong the rig may be, and how its error is learnt.
+/// Section `scale/`: the rig's possible error, and how it is learnt.
 struct ScaleConfig {
   bool enabled = true;                    ///< false: depth is f*B/d as calibrated.
   double max_correction = 0.15;           ///< Largest relative change of a depth.
-  double prior_sigma = 0.07;              ///< How wrong the calibration's scale is expected to be.
-  double offset_prior_sigma_px = 0.7;     ///< How wrong its disparity offset is expected to be.
-  double disparity_sigma_px = 0.1;        ///< Of a learnt pair's match.
-  double drift_sigma_per_sqrt_s = 0.001;  ///< Slow forgetting of the scale; of the offset in the priors' proportion.
-  double gate_sigma = 3.0;                ///< Pairs further from the model are not learnt from.
+  double prior_sigma = 0.07;              ///< Expected error of the calibration's scale.
+  double offset_prior_sigma_px = 0.7;     ///< Expected error of its disparity offset.
+  double disparity_sigma_px = 0.1;        ///< Sigma of the match in a pair to learn from.
+  double drift_sigma_per_sqrt_s = 0.001;  ///< Slow forgetting of the scale; the offset's in the priors' proportion.
+  double gate_sigma = 3.0;                ///< Pairs farther from the model are not learnt from.
 };
 Violations check(const ScaleConfig& config);
 
-/// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's:
-/// d_true = a*d + b, a Bayesian linear regression in disparity. With one range only, the prior shares the error between
-/// a (baseline, focal length) and b (relative yaw); a varying range separates them. Both are forgotten slowly: heat and
-/// knocks change a rig. What is learnt is applied once it
-/// is significant: a faultless rig stays as it is.
+/// Learns how the rig's disparity must be corrected so that stereo's depth equals the fused range's: d_true = a*d + b,
+/// a Bayesian linear regression in disparity. At a single range the prior splits the error between a (baseline, focal
+/// length) and b (relative yaw); a varying range separates them. Both are forgotten slowly: heat and knocks change a
+/// rig. The correction is applied once it is significant: a faultless rig stays unchanged.
 class ScaleCorrection {
  public:
   /// @throws std::invalid_argument with every broken rule.
   explicit ScaleCorrection(const ScaleConfig& config);
 
-  /// One pair of what stereo measured and what it should have measured [px], each with its own error's sigma.
+  /// One pair of measured and expected disparity [px], each with the sigma of its error.
   /// @return whether the pair passed the gate.
   bool update(double stamp_s, double measured_px, double expected_px, double measured_sigma_px,
               double expected_sigma_px);
 
-  /// What is known becomes less certain until a stamp, at most as uncertain as it was at first.
+  /// The estimate becomes less certain until a stamp, at most as uncertain as the prior.
   void forgetUntil(double stamp_s);
 
   /// Corrected disparity [px]; NaN stays NaN. Bounded: f*B/result within 1 +- max_correction of f*B/disparity.
@@ -49,10 +48,10 @@ class ScaleCorrection {
   double scale(double disparity_px) const { return disparity_px / correct(disparity_px); }
   /// One sigma of scale() [-].
   double sigma(double disparity_px) const;
-  /// One sigma of a corrected disparity, for what is unknown of the rig alone [px].
+  /// One sigma of a corrected disparity, from the rig's uncertainty alone [px].
   double disparitySigma(double disparity_px) const;
-  /// What a rig that can be put right is off by at most [px]: what is ever applied, or one sigma of the offset, which
-  /// far away is more.
+  /// Largest error of a correctable rig [px]: the largest correction, or one sigma of the offset, which is more far
+  /// away.
   double largestError(double disparity_px) const;
 
  private:
@@ -63,7 +62,7 @@ class ScaleCorrection {
   double stamp_s_ = kNaN;
   Eigen::Vector2d mean_{1.0, 0.0};  // a [-], b [px]
   Eigen::Matrix2d covariance_;
-  Eigen::Vector2d applied_{1.0, 0.0};  // as mean_, where it is significant
+  Eigen::Vector2d applied_{1.0, 0.0};  // as mean_, if significant
 };
 
 /// Depth along z of C of corrected disparities.

@@ -6,26 +6,26 @@ namespace flight_corridor {
 
 /// Sets of disparities as bits: disparity d is bit d % 64 of word d / 64.
 
-/// Place of the lowest bit of a word that is not 0.
+/// Index of the lowest set bit of a word that is not 0.
 inline int lowestBit(std::uint64_t word) { return __builtin_ctzll(word); }
-/// Place of the highest bit of a word that is not 0.
+/// Index of the highest set bit of a word that is not 0.
 inline int highestBit(std::uint64_t word) { return 63 - __builtin_clzll(word); }
 
-/// The bits of a word whose place in the set is at least `place`.
+/// The bits of a word whose index in the set is at least `place`.
 inline std::uint64_t bitsFrom(std::uint64_t bits, int word, int place) {
   const int skipped = place - 64 * word;
   if (skipped >= 64) return 0;
   return skipped > 0 ? bits >> skipped << skipped : bits;
 }
 
-/// The bits of a word whose place in the set is at most `place`.
+/// The bits of a word whose index in the set is at most `place`.
 inline std::uint64_t bitsTo(std::uint64_t bits, int word, int place) {
   const int skipped = 63 - (place - 64 * word);
   if (skipped >= 64) return 0;
   return skipped > 0 ? bits << skipped >> skipped : bits;
 }
 
-/// The first bit that is not before a place; 64 * words where there is none.
+/// The first set bit at or after an index; 64 * words without one.
 inline int firstBitFrom(const std::uint64_t* set, int words, int place) {
   int first = 64 * words;
   for (int word = words - 1; word >= 0; --word) {
@@ -35,7 +35,7 @@ inline int firstBitFrom(const std::uint64_t* set, int words, int place) {
   return first;
 }
 
-/// The last bit that is not behind a place; -1 where there is none.
+/// The last set bit at or before an index; -1 without one.
 inline int lastBitTo(const std::uint64_t* set, int words, int place) {
   int last = -1;
   for (int word = 0; word < words; ++word) {

@@ -18,7 +18,7 @@ namespace flight_corridor {
 struct StereoConfig {
   int num_disparities_px = 128;        ///< Search range, a multiple of 32.
   double min_matched_fraction = 0.08;  ///< Fewer matched pixels: no verdict FREE.
-  std::string device = "cpu";          ///< "cpu"; "gpu", by OpenCL; "auto": the GPU where there is one.
+  std::string device = "cpu";          ///< "cpu"; "gpu", by OpenCL; "auto": a GPU if there is one.
 };
 Violations check(const StereoConfig& config);
 
@@ -26,13 +26,13 @@ Violations check(const StereoConfig& config);
 /// @throws std::invalid_argument naming what is missing.
 void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
 
-/// Where pairs are matched.
+/// The device that matches pairs.
 struct MatchingDevice {
   std::string name = "CPU";
-  std::string failure;  ///< Why it is the CPU although there is, or should be, a GPU; "": it is as asked for.
+  std::string failure;  ///< Why it is the CPU although there is, or should be, a GPU; "": as requested.
 };
 
-/// What a pair says of each pixel: matches that form patches, and their doubt.
+/// A pair's evidence at each pixel: matches that form patches, and their doubt.
 struct Disparity : DisparityEvidence {
   double matched_fraction = 0.0;  ///< Share of pixels with a match [0..1].
 };
@@ -44,7 +44,7 @@ class DisparityEstimator {
  public:
   /// @param smallest_obstacle_m smaller patches of matches are removed, see Patches.
   /// @param make_device_matcher of config.device "gpu" or "auto".
-  /// @throws std::invalid_argument with every broken rule, or when the image is too narrow for the search.
+  /// @throws std::invalid_argument with every broken rule, or if the image is too narrow for the search.
   DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry, double smallest_obstacle_m,
                      const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
 
@@ -52,10 +52,10 @@ class DisparityEstimator {
 
   /// @param frame both images CV_8UC1 of geometry.size().
   /// @param out refilled.
-  /// @throws std::invalid_argument naming the image that is not, and why.
+  /// @throws std::invalid_argument naming the image that does not fit, and why.
   void estimate(const StereoFrame& frame, Disparity& out);
 
-  /// The same before patches are looked at.
+  /// The same before patches are removed.
   void match(const StereoFrame& frame, DisparityEvidence& out);
 
   /// Threads for further work on the pair; cv::getNumThreads() at construction.
@@ -63,7 +63,7 @@ class DisparityEstimator {
 
   const MatchingDevice& device() const { return device_; }
 
-  /// Nothing nearer is found: a smaller disparity is taken for it, or none [m].
+  /// Nothing nearer is found: it is matched at a smaller disparity, or not at all [m].
   double nearestDepth() const;
 
  private:
@@ -71,7 +71,7 @@ class DisparityEstimator {
   StereoGeometry geometry_;
   BandWorkers workers_;
   SemiGlobalMatcher matcher_;
-  std::unique_ptr<DeviceMatcher> device_matcher_;  // none: the CPU's
+  std::unique_ptr<DeviceMatcher> device_matcher_;  // null: the CPU's
   MatchingDevice device_;
   Patches patches_;
 };

@@ -9,9 +9,9 @@
 namespace flight_corridor {
 
 /// Matches that form a patch: neighbours, also across corners, differ by a pixel of disparity at most. A patch smaller
-/// than the smallest obstacle, at its own distance, is a mistake or no obstacle: it is removed. An outline, all that a
-/// textureless obstacle shows, need only be as long as the smallest obstacle. A patch most of which is repeated is
-/// repeated as a whole. One object, one thread.
+/// than the smallest obstacle, at its own distance, is a mismatch or no obstacle: it is removed. The outline of a
+/// textureless obstacle need only be as long as the smallest obstacle. A patch of mostly repeated matches is repeated
+/// as a whole. One object, one thread.
 class Patches {
  public:
   /// @param smallest_obstacle_m edge of a square: patches whose best matches show less than it lose these; 0: none.
@@ -21,13 +21,13 @@ class Patches {
   void setSmallestObstacle(double edge_m) { smallest_m_ = edge_m; }
 
   /// @param best_px, repeated_px CV_32FC1 of geometry.size(), positive or NaN, a match in one of the two.
-  /// @return number of best matches that stay.
+  /// @return number of best matches kept.
   int keep(cv::Mat& best_px, cv::Mat& repeated_px);
 
  private:
-  /// Neighbours of one surface along a row; with the areas of all that is joined to it, where it stands for a patch.
+  /// Neighbours of one surface along a row; at a patch's root, with the areas of all joined runs.
   struct Run {
-    int first_u, end_u, best;  ///< Pixels, and how many of them are best matches.
+    int first_u, end_u, best;  ///< Pixels, and the number of best matches among them.
     double all_m2, repeated_m2;
   };
 

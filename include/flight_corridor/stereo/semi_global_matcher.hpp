@@ -24,39 +24,39 @@ struct MatcherSize {
   int height_px = 0;
   int min_disparity_px = 0;  ///< Of u_l - u_r; may be negative.
   int num_disparities = 0;   ///< A multiple of 32, up to kLargestDisparities.
-  float offset_px = 0.0f;    ///< What u_l - u_r holds too much: cx_l - cx_r.
+  float offset_px = 0.0f;    ///< Excess of u_l - u_r: cx_l - cx_r.
 };
 
-/// What is known of a pixel's match: a bit set.
+/// Properties of a pixel's match: a bit set.
 enum MatchFlag : std::uint8_t {
   kConsistent = 1u << 0,  ///< The right view's best match is the same, within kConsistent_px.
   kCompetitor = 1u << 1,  ///< Of a match: another disparity, a barrier away, fits a small window as well.
-  kDistinct = 1u << 2,    ///< The costs of its own window are clearly lower at its best disparity than at half of all.
+  kDistinct = 1u << 2,    ///< Half of all disparities have clearly higher costs in its own window.
   kRepeated = 1u << 3,    ///< Such a competitor lies farther away.
 };
 
-/// Where a matcher writes what it finds: planes of width x height without gaps between the rows. Indices of disparities
-/// are those of the bits: u_l - u_r less min_disparity_px.
+/// Output of a matcher: planes of width x height without gaps between the rows. Indices of disparities are those of the
+/// bits: u_l - u_r less min_disparity_px.
 struct MatchPlanes {
   float* best;      ///< Sub-pixel match [px], offset_px removed, of pixels with kConsistent and kDistinct; else NaN.
-  float* repeated;  ///< Such a match with kRepeated is here and not in best.
+  float* repeated;  ///< Such a match with kRepeated, instead of in best.
   std::uint8_t *competitor_farthest, *competitor_nearest;  ///< Indices, where flags has kCompetitor.
   std::uint8_t* flags;                                     ///< Bits of MatchFlag.
   std::uint64_t* set;  ///< {d : S(d) <= min S + kContradiction}: bit d % 64 of word d / 64; whole words a pixel.
 };
 
-/// Semi-global matching (Hirschmueller 2008) that keeps for each pixel the best disparity and all those that
-/// the images do not contradict; matching_rules.hpp has the rules. Bands of rows are matched side by side; each begins
-/// some rows before its first one, so that its paths are settled there. Bands depend on the image's height alone: the
-/// result does not depend on how many threads, or which vector instructions, work on it.
-/// One object, one caller at a time; its memory is reused.
+/// Semi-global matching (Hirschmueller 2008) that keeps for each pixel the best disparity and all that the images do
+/// not contradict; matching_rules.hpp has the rules. Bands of rows are matched side by side; each begins some rows
+/// before its first one, so that its paths are settled there. Bands depend on the image's height alone: the result does
+/// not depend on the number of threads or the vector instructions. One object, one caller at a time; its memory is
+/// reused.
 class SemiGlobalMatcher {
  public:
   static constexpr int kBand_px = 120;  ///< Rows of a band: four at VGA, so that two to four cores share them evenly.
-  static constexpr int kRunUp_px = 24;  ///< Rows before a band, of three paths only: one match in 400 shows the seams.
+  static constexpr int kRunUp_px = 24;  ///< Rows before a band, for three paths only: one match in 400 shows the seams.
 
   /// @param workers must outlive it.
-  /// @throws std::invalid_argument naming what is impossible of the size.
+  /// @throws std::invalid_argument naming the impossible size.
   SemiGlobalMatcher(const MatcherSize& size, BandWorkers& workers);
   ~SemiGlobalMatcher();
 

@@ -6,9 +6,9 @@
 
 namespace flight_corridor {
 
-/// Where an image has texture along its rows. A match elsewhere is chance: noise agrees, or paths carry a neighbour's
-/// disparity. What counts is the variance of the difference of pixels four columns apart over a window, against that of
-/// the image's own noise; a ramp of light has none. One object, one thread.
+/// The texture of an image along its rows. A match elsewhere is chance: noise agrees, or paths spread a neighbour's
+/// disparity. The criterion is the variance of the difference of pixels four columns apart over a window, against that
+/// of the image's own noise; a ramp of light has no variance. One object, one thread.
 class Texture {
  public:
   /// @param grey CV_8UC1.  @return CV_8UC1, 255 where there is texture; valid until the next call.
@@ -17,7 +17,7 @@ class Texture {
   /// Of the last image.
   const cv::Mat& mask() const { return textured_; }
 
-  /// One sigma of a pixel's noise in the last image [grey levels]: in a scene without smooth places also of its
+  /// One sigma of a pixel's noise in the last image [grey levels]; in a scene without smooth regions it includes
   /// texture.
   double noise() const { return noise_; }
 

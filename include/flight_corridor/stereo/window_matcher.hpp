@@ -6,19 +6,19 @@
 
 namespace flight_corridor {
 
-/// How well a small window of the left image fits on one of the right image's, within a range of disparities, by
-/// normalised cross-correlation: whatever the exposures. A view of the left image.
+/// Correlation of a small window of the left image with those of the right image, within a range of disparities. It is
+/// normalised, so exposures may differ. A view of the left image.
 class WindowMatcher {
  public:
   static constexpr int kReach_px = 2;  ///< Of a window, from its centre.
 
-  /// @param left, right CV_8UC1, rectified.  @param rows that are asked about.
+  /// @param left, right CV_8UC1, rectified.  @param rows that may be requested.
   WindowMatcher(const cv::Mat& left, const cv::Mat& right, cv::Range rows);
 
   /// Normalised cross-correlation by disparity.
   /// @param first_px, last_px disparities, principal-point difference included.
-  /// @param out refilled, from the largest disparity downwards; those whose window is not whole on both images are left
-  /// out.
+  /// @param out refilled, from the largest disparity downwards, without those whose window is not wholly on both
+  /// images.
   /// @return the largest disparity in out.
   int correlations(int u, int v, int first_px, int last_px, std::vector<float>& out) const;
 

@@ -14,7 +14,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZI>;
 Cloud toCloud(const cv::Mat& depth_m, const cv::Mat& left, const StereoGeometry& geometry, const CloudConfig& config,
               double voxel_m);
 
-/// That of the last frame's evidence, a point per cell of the map; empty before the first frame.
+/// The cloud of the last frame's evidence, a point per cell of the map; empty before the first frame.
 Cloud toCloud(const Pipeline& pipeline);
 
 }  // namespace flight_corridor

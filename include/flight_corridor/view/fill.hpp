@@ -6,13 +6,13 @@
 
 namespace flight_corridor {
 
-/// Disparity for people to look at: matches, and between them what the image's edges and the matches around suggest
-/// (fast global smoother: Min et al. 2014). No evidence.
+/// Disparity for display: matches, and between them values interpolated along the image's edges (fast global smoother:
+/// Min et al. 2014). Not evidence.
 /// @param left CV_8UC1.  @param matched_px CV_32FC1 of the same size, NaN = no match.  @param filled_px refilled; NaN
-/// where no match is near.
+/// without a match nearby.
 void fillDisparity(const cv::Mat& left, const cv::Mat& matched_px, cv::Mat& filled_px);
 
-/// That of the last frame, CV_32FC1 [px]; NaN before the first.
+/// The filled disparity of the last frame, CV_32FC1 [px]; NaN before the first.
 cv::Mat filledDisparity(const Pipeline& pipeline);
 
 /// Its depth along z of C, scale-corrected, CV_32FC1 [m].

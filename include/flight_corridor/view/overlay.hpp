@@ -33,7 +33,7 @@ void drawDepth(const cv::Mat& depth_m, double max_depth_m, cv::Mat& out);
 void drawMapFromAbove(const octomap::OcTree& tree, const Box& box, const Verdict& verdict, double ahead_m,
                       cv::Size size_px, cv::Mat& out);
 
-/// Verdicts over time, the first at the left, each in its state's colour; what is still to come is black.
+/// Verdicts over time, the first at the left, each in its state's colour; later frames are black.
 /// @param total  frames of the whole recording.  @param out CV_8UC3 (BGR) of size_px, refilled.
 void drawVerdicts(const std::vector<State>& verdicts, std::size_t total, cv::Size size_px, cv::Mat& out);
 
