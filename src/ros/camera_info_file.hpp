@@ -7,10 +7,10 @@
 namespace flight_corridor_ros {
 
 /// A file of camera_calibration (YAML), or a CameraInfo as rostopic echo prints it, without a header.
-/// @throws std::invalid_argument naming every key that is missing or does not hold what it should.
+/// @throws std::invalid_argument naming every key that is missing or wrong.
 sensor_msgs::CameraInfo parseCameraInfo(const std::string& text);
-/// By which raw images are to be rectified.
-/// @throws std::invalid_argument as parseCameraInfo, naming the file, also where R is all 0.
+/// Reads the calibration for rectifying raw images.
+/// @throws std::invalid_argument like parseCameraInfo, naming the file; also if R is all 0.
 sensor_msgs::CameraInfo readCameraInfo(const std::string& path);
 
 }  // namespace flight_corridor_ros

@@ -20,41 +20,41 @@ namespace flight_corridor_ros {
 // Messages in.
 
 /// Numbers of a rectified pair: projection matrices P, baseline = (P_left[3] - P_right[3]) / fx.
-/// @throws std::invalid_argument naming what does not fit: sizes, fx, fy or cy that differ, what else P holds, binning,
+/// @throws std::invalid_argument naming every misfit: sizes, fx, fy or cy that differ, other entries of P, binning,
 /// region of interest.
-///         Impossible numbers are StereoGeometry's to refuse.
+/// StereoGeometry refuses impossible numbers.
 flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& left,
                                                  const sensor_msgs::CameraInfo& right);
 
 flight_corridor::RangeReading toReading(const sensor_msgs::Range& message);
 
-/// The image as CV_8UC1; shared when it is grey already.
-/// @throws std::invalid_argument naming frame and encoding when the encoding is no image, the data is too short, or 16
-/// bits hold no more than 12.
+/// The image as CV_8UC1; shared if it is already grey.
+/// @throws std::invalid_argument naming frame and encoding if the encoding is not an image's, the data is too short, or
+/// 16 bits hold at most 12.
 cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message);
 
 /// @throws std::invalid_argument unless the position is finite and the orientation a unit quaternion (to 1 %).
 Eigen::Isometry3d toPose(const geometry_msgs::Pose& message);
 
-// Messages out: each takes the header that the data belongs to.
+// Messages out: each gets the header of its data.
 
 /// @param latency_s from the left image's stamp to now.
 flight_corridor::CorridorState toMessage(const std_msgs::Header& header, const flight_corridor::Report& report,
                                          const Eigen::Vector3d& box_size_m, const flight_corridor::SpeedConfig& speed,
                                          double latency_s);
 
-/// The answer to a question of a box.  @param stamp of the pair that it rests on.
+/// The answer to a query of a box.  @param stamp of the pair that was judged.
 flight_corridor::QueryCorridorResponse toResponse(const ros::Time& stamp, const flight_corridor::Verdict& verdict);
 
 /// d_K as a reading of the LiDAR.
-/// @param lidar a message of the LiDAR: its frame and beam are the fused range's too.
+/// @param lidar a message of the LiDAR: its frame and beam are also the fused range's.
 sensor_msgs::Range toRange(const ros::Time& stamp, const flight_corridor::RangeEstimate& estimate,
                            const flight_corridor::LidarConfig& config, const sensor_msgs::Range& lidar);
 
-/// @param image CV_8UC1, CV_8UC3 or CV_32FC1, as the encoding says.
+/// @param image CV_8UC1, CV_8UC3 or CV_32FC1, according to the encoding.
 sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& image, const std::string& encoding);
 
-/// Disparity with Z = f*T/d; no match: below min_disparity, as the message's definition wants.
+/// Disparity with Z = f*T/d; no match: below min_disparity, as the message defines.
 /// @param disparity_px CV_32FC1, NaN = no match.
 /// @param nearest_m depth of the largest disparity that is searched.
 stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
@@ -63,7 +63,7 @@ stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, con
 sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
 
 /// The corridor's box, coloured by state.
-/// @param lifetime_s after which it goes from the screen by itself.
+/// @param lifetime_s after which it vanishes from the screen.
 visualization_msgs::Marker toMarker(const std_msgs::Header& header, const flight_corridor::Box& box,
                                     flight_corridor::State state, double lifetime_s);
 

@@ -14,12 +14,12 @@
 
 namespace flight_corridor_ros {
 
-/// The node's private topics of more than the corridor: ~free_areas with its image and markers, ~scan and
-/// ~obstacle_distance. Nothing is computed of what nobody listens to.
+/// The node's private topics of directions: ~free_areas with its image and markers, ~scan and ~obstacle_distance.
+/// Topics without a subscriber cost no computation.
 class DirectionPublishers {
  public:
-  /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: nobody knows, and the scans
-  /// say nothing.
+  /// Turns vectors of a level frame, x along the corridor's heading, into C; nullopt: not known, and the scans are all
+  /// NaN.
   using Level = std::function<std::optional<Eigen::Matrix3d>()>;
 
   DirectionPublishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config, GoalDirection& goal);
@@ -31,7 +31,7 @@ class DirectionPublishers {
   void publish(const std_msgs::Header& header, const cv::Mat& left, flight_corridor::Pipeline& pipeline,
                const Level& level);
 
-  /// Nothing is known: the pair was refused, or none came. Any thread.
+  /// Publishes that nothing is known: the pair was refused, or none came. Any thread.
   void publishRefusal(const std_msgs::Header& header, std::uint32_t reasons);
 
  private:
@@ -43,7 +43,7 @@ class DirectionPublishers {
   std::atomic<double> length_m_;  // of the corridor
   GoalDirection& goal_;
   ros::Publisher areas_, image_, markers_, scan_, obstacle_distance_;
-  std::optional<tf2_ros::TransformBroadcaster> broadcaster_;  // of the scan's frames, where somebody listens
+  std::optional<tf2_ros::TransformBroadcaster> broadcaster_;  // of the scan's frames, if there is a subscriber
   cv::Mat picture_;
 };
 

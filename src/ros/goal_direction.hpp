@@ -14,14 +14,14 @@
 
 namespace flight_corridor_ros {
 
-/// Where the pilot or the planner wants to go: the newest message, until the next one. A direction of its frame, so
-/// that one of a fixed frame stays when the UAV turns. Any thread.
+/// The direction in which the pilot or the planner wants to go: the newest message, until the next one. It is a
+/// direction of its frame: in a fixed frame it stays when the UAV turns. Any thread.
 class GoalDirection {
  public:
   explicit GoalDirection(const Transforms& transforms) : transforms_(transforms) {}
 
-  /// Takes a message, or warns of it and keeps the last one: no frame, a vector of no length or not finite, or a stamp
-  /// (other than 0) that is more than a second from now.
+  /// Takes a message, or warns of it and keeps the last one: no frame, a vector of zero length or not finite, or a
+  /// stamp (other than 0) more than a second from now.
   void put(const geometry_msgs::Vector3Stamped& message, const ros::Time& now);
 
   /// Unit vector in the camera's frame at its stamp, by tf's newest pose, up to a second from it, where that of then is
@@ -34,7 +34,7 @@ class GoalDirection {
 
   const Transforms& transforms_;
   std::mutex mutex_;
-  std::string frame_;  // "": none was given
+  std::string frame_;  // "": no goal was given
   Eigen::Vector3d direction_;
   Throttle warning_, frame_warning_;
 };

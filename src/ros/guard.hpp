@@ -15,30 +15,30 @@ namespace flight_corridor_ros {
 struct GuardConfig {
   bool stamped = false;                ///< Commands are TwistStamped, in and out; else Twist.
   std::string frame_id = "base_link";  ///< Of stamped commands, x along the corridor; others are refused.
-  double rate_hz = 20.0;               ///< At which commands go out, whatever comes in.
-  double max_age_s = 0.2;              ///< An older verdict is none.
-  double command_age_s = 0.5;          ///< An older command is none.
+  double rate_hz = 20.0;               ///< Rate of the outgoing commands, whatever comes in.
+  double max_age_s = 0.2;              ///< An older verdict does not count.
+  double command_age_s = 0.5;          ///< An older command does not count.
 };
 
 /// Configuration with these values, defaults elsewhere.
 /// @throws std::invalid_argument listing every unknown key, wrong type and broken rule, with key, rule and value.
 GuardConfig makeGuardConfig(const Values& values);
 
-/// Two clocks: a stopped /clock makes nothing old, so that arrival is timed on one that nobody sets.
+/// Two clocks: a stopped /clock makes nothing old, so arrival is timed on a steady one.
 struct GuardTime {
   ros::Time now;
   double steady_s = 0.0;
 };
 
-/// What goes out, and why it is slower than what came in; "": it is not.
+/// The outgoing command, and why it is slower than the incoming one; "": it is not.
 struct GuardedCommand {
   geometry_msgs::Twist twist;
   std::string why;
 };
 
 /// Limits a velocity to the safe speed of the direction in which it points. Commands are in the corridor's frame: x
-/// along its axis, y left, z up. What points outside the directions of free_areas (aside, back, steeply up or down) is
-/// not flown; turning always is. No verdict, or an old one, allows no speed; no command, or an old one, is a stop.
+/// along its axis, y left, z up. Commands outside the directions of free_areas (aside, back, steeply up or down) are
+/// stopped; turning always passes. No verdict, or an old one, allows no speed; no command, or an old one, is a stop.
 class Guard {
  public:
   explicit Guard(const GuardConfig& config) : config_(config) {}
@@ -51,7 +51,7 @@ class Guard {
   GuardedCommand limited(const GuardTime& time) const;
 
  private:
-  /// What came last; its stamp and when it arrived.
+  /// The last message; its stamp and time of arrival.
   template <typename Message>
   struct Latest {
     Message message;

@@ -8,7 +8,7 @@
 
 namespace flight_corridor_ros {
 
-/// Calls back at a steady wall-clock rate from a thread of its own: also while processing hangs or /clock stands still.
+/// Calls back at a steady wall-clock rate from a thread of its own: even if processing hangs or /clock stands still.
 class Heartbeat {
  public:
   Heartbeat(double period_s, const std::function<void()>& beat);

@@ -10,13 +10,13 @@ namespace flight_corridor_ros {
 /// is shared between two and disparities scale exactly.
 bool isImageScale(double scale);
 
-/// The image with each square of 1/scale by 1/scale pixels averaged into one; shared at scale 1. What fills no square
-/// at the right and lower edge is left out.
+/// The image with each square of 1/scale by 1/scale pixels averaged into one; shared at scale 1. Pixels at the right
+/// and lower edge that fill no square are left out.
 cv::Mat scaled(const cv::Mat& image, double scale);
 
-/// CameraInfo of the scaled image; shared at scale 1.
-/// Model: with pixel centres at whole numbers f' = s f, c' = s (c + 1/2) - 1/2, Tx' = s Tx, so that the baseline stays.
-/// Distortion, rotation and binning stay; the region of interest is scaled.
+/// CameraInfo of the scaled image; shared at scale 1. Model: with pixel centres at whole numbers f' = s f, c' = s (c +
+/// 1/2) - 1/2, Tx' = s Tx, so the baseline is kept. Distortion, rotation and binning are kept; the region of interest
+/// is scaled.
 sensor_msgs::CameraInfoConstPtr scaled(const sensor_msgs::CameraInfoConstPtr& info, double scale);
 
 }  // namespace flight_corridor_ros

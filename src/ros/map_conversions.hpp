@@ -12,8 +12,8 @@
 
 namespace flight_corridor_ros {
 
-// The octree as octomap_server names and types it. `header` is the map's; T_M_G turns a frame G with z up at the map's
-// origin into the map's frame M (identity for a fixed frame, opticalFromForward() for the camera's).
+// The octree in octomap_server's messages. `header` is the map's; T_M_G turns a frame G with z up at the map's origin
+// into the map's frame M (identity for a fixed frame, opticalFromForward() for the camera's).
 
 /// @throws std::invalid_argument unless both corners are finite and max is nowhere below min.
 Eigen::AlignedBox3d toBox(const octomap_msgs::BoundingBoxQueryRequest& request);
@@ -32,8 +32,8 @@ visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const 
 /// Centres of the occupied cells.
 sensor_msgs::PointCloud2 toCellCentres(const std_msgs::Header& header, const octomap::OcTree& tree);
 
-/// Columns seen from above: 100 where any cell is occupied, else 0 where any is free, else -1. Of a map whose z is up:
-/// who takes a grid takes it as level.
+/// Columns seen from above: 100 if any cell is occupied, else 0 if any is free, else -1. For a map whose z is up: users
+/// assume that a grid is level.
 nav_msgs::OccupancyGrid toProjectedMap(const std_msgs::Header& header, const octomap::OcTree& tree);
 
 }  // namespace flight_corridor_ros

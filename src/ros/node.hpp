@@ -24,11 +24,12 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline on ROS topics and services. Threads: callbacks fill the inbox, one worker owns the pipeline, questions
-/// wait for it, a watchdog publishes UNKNOWN while no verdict comes, diagnostics speak once a second, tf2 listens.
+/// The pipeline on ROS topics and services. Threads: callbacks fill the inbox, one worker owns the pipeline, queries
+/// wait for it, a watchdog publishes UNKNOWN while no verdict comes, diagnostics are published once a second, tf2
+/// listens.
 class Node {
  public:
-  /// @throws std::invalid_argument listing everything that is wrong with the parameters.
+  /// @throws std::invalid_argument listing every fault of the parameters.
   Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   ~Node();
   Node(const Node&) = delete;

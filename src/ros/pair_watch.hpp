@@ -11,16 +11,16 @@
 
 namespace flight_corridor_ros {
 
-/// Remembers when the four topics of a stereo pair were heard, to say why no pair comes. Any thread.
+/// Records when the four topics of a stereo pair were heard, to explain missing pairs. Any thread.
 class PairWatch {
  public:
   enum Topic { kLeft, kLeftInfo, kRight, kRightInfo };
 
-  /// @param now_s of a clock that nobody sets.
+  /// @param now_s by a steady clock.
   void hear(Topic topic, const sensor_msgs::Image& image, double now_s);
   void hear(Topic topic, const sensor_msgs::CameraInfo& info, double now_s);
 
-  /// What has been missing since a moment, and what to do.
+  /// The topics missing since a moment, and the remedy.
   /// @param names of the topics, in the order of Topic.   @param stamps "equal" or "similar".
   std::string explain(const std::array<std::string, 4>& names, double since_s, const std::string& stamps) const;
 

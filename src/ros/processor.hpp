@@ -17,14 +17,14 @@ namespace flight_corridor_ros {
 /// The answer to a stereo pair that could not be processed.
 flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons);
 
-/// Whether an answer is one.
+/// Whether an answer is a refusal.
 bool isRefusal(const flight_corridor::Report& report);
 
 /// From messages to verdicts: the part of the node that needs neither a master nor a clock. One thread.
 class Processor {
  public:
-  /// @param inbox where the LiDAR's and the imu's readings wait.
-  /// @throws std::invalid_argument when stereo/device is "gpu" and none matches pairs: requireDevice().
+  /// @param inbox with the waiting readings of LiDAR and imu.
+  /// @throws std::invalid_argument if stereo/device is "gpu" and no GPU matches pairs: requireDevice().
   Processor(const NodeConfig& config, const Transforms& transforms, Inbox& inbox)
       : config_(config),
         transforms_(transforms),
@@ -36,8 +36,8 @@ class Processor {
     flight_corridor::requireDevice(config.core.stereo);
   }
 
-  /// The verdict for one pair; a stamp more than a second before the newest pair's starts everything anew, a smaller
-  /// step back is refused, and so is no stamp at all.
+  /// The verdict for one pair; a stamp more than a second before the newest pair's restarts everything; a smaller step
+  /// back, or a missing stamp, is refused.
   const flight_corridor::Report& process(const StereoMessages& pair);
 
   /// Forgets everything that was seen; the next pair may have any stamp.
@@ -46,11 +46,11 @@ class Processor {
   /// Makes a box of the map unknown, in the map's frame.
   void clear(const Eigen::AlignedBox3d& box_M);
 
-  /// From now on this corridor is judged; what was seen is kept.
-  /// @throws std::invalid_argument naming what the rig cannot see; then nothing has changed.
+  /// Changes the corridor from now on; the evidence is kept.
+  /// @throws std::invalid_argument if the rig cannot see it; then nothing has changed.
   void setCorridor(const flight_corridor::CorridorConfig& corridor) { rig_.setCorridor(corridor); }
 
-  /// Holds the last pair's products; null when that pair was refused and has none.
+  /// The pipeline with the last pair's products; null if that pair was refused.
   flight_corridor::Pipeline* products() { return has_products_ ? pipeline() : nullptr; }
   /// Of the present rig; null before its first pair.
   flight_corridor::Pipeline* pipeline() { return rig_ ? &*rig_ : nullptr; }
@@ -60,18 +60,18 @@ class Processor {
   const octomap::OcTree& map() { return rig_ ? rig_->map().tree() : empty_map_; }
   /// Edge of its cells [m].
   double cell() const { return empty_map_.getResolution(); }
-  /// The map's frame, and the stamp of the last pair that entered the map; 0: none did.
+  /// The map's frame, and the stamp of the last pair that entered the map; 0: no pair did.
   const std_msgs::Header& mapHeader() const { return map_header_; }
-  /// The LiDAR's newest reading up to the last pair; null without one, or where no range sensor is the LiDAR.
+  /// The LiDAR's newest reading up to the last pair; null without one, or if no range sensor is the LiDAR.
   sensor_msgs::RangeConstPtr lidar() const { return rig_.hasLidar() ? lidar_ : nullptr; }
   /// Turns vectors of a level frame, x along the corridor's heading, z up, into C at the last pair; nullopt, and a
-  /// throttled warning, where nobody knows where up is, or the corridor has no heading. Needs products().
+  /// throttled warning, if the direction of up is unknown, or the corridor has no heading. Needs products().
   std::optional<Eigen::Matrix3d> level();
-  /// The last pair's left image at ros/scale, CV_8UC1; empty when it could not be read.
+  /// The last pair's left image at ros/scale, CV_8UC1; empty if it could not be read.
   const cv::Mat& left() const { return left_->image; }
   /// Its CameraInfo at ros/scale; null before the first pair.
   const sensor_msgs::CameraInfoConstPtr& leftInfo() const { return left_info_; }
-  /// Of the present pipeline, and of the readings that were refused before it; all 0 without one.
+  /// Of the present pipeline, and of the readings refused before it; all 0 without one.
   flight_corridor::Counters counters();
   /// See RigPipeline.
   const flight_corridor::MatchingDevice& device() const { return rig_.device(); }
@@ -102,7 +102,7 @@ class Processor {
   bool has_products_ = false;
   ros::Time newest_stamp_;
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
-  double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest range that says something
+  double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
       pose_warning_, heading_warning_;
 };

@@ -14,28 +14,29 @@
 
 namespace flight_corridor_ros {
 
-/// The node's private topics. Messages are made only for those who listen.
+/// The node's private topics. Messages are made only for subscribers.
 class Publishers {
  public:
   Publishers(const ros::NodeHandle& private_node, const flight_corridor::Config& config);
 
-  /// From now on this corridor is what is published of. Any thread.
+  /// Sets the published corridor from now on. Any thread.
   void setCorridor(const flight_corridor::CorridorConfig& corridor);
 
   /// ~corridor and ~free.  @param header the left image's. Any thread.
   void publishVerdict(const std_msgs::Header& header, const flight_corridor::Report& report);
 
-  /// What the verdict came from: everything else.
-  /// @param left CV_8UC1.   @param lidar newest message of the LiDAR; null: ~range_fused has no frame to be in.
+  /// All other topics: the evidence of the verdict.
+  /// @param left CV_8UC1.
+  /// @param lidar newest message of the LiDAR; null: ~range_fused has no frame.
   void publishProducts(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header, const cv::Mat& left,
                        flight_corridor::Pipeline& pipeline, const flight_corridor::Report& report,
                        const sensor_msgs::RangeConstPtr& lidar);
 
-  /// Takes the box from the screen: nobody knows whether it is free.
+  /// Removes the box from the screen: it is unknown whether it is free.
   void removeBox(const std_msgs::Header& header);
 
  private:
-  /// Publishes make() if anybody listens to the topic.
+  /// Publishes make() if the topic has a subscriber.
   template <typename Make>
   void publish(const std::string& topic, Make make);
   void publishImages(const sensor_msgs::CameraInfo& left_info, const std_msgs::Header& header, const cv::Mat& left,

@@ -21,7 +21,7 @@ class RangeSerial {
   /// @throws std::invalid_argument naming every wrong parameter.
   RangeSerial(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 
-  /// Waits for bytes, 50 ms at most, and publishes what they say.
+  /// Waits for bytes, 50 ms at most, and publishes their readings.
   void step();
 
  private:
@@ -44,7 +44,7 @@ class RangeSerial {
   std::array<std::uint8_t, 4096> bytes_{};
   std::vector<flight_corridor::serial::WireReading> readings_;
   std::string trouble_ = "not opened yet";           // of the port; "" while it is open
-  double next_opening_s_, next_request_s_, wake_s_;  // of a clock that nobody sets
+  double next_opening_s_, next_request_s_, wake_s_;  // by a steady clock
   double heard_s_;                                   // the newest reading, or the start
   double valid_s_;                                   // the newest that is no NaN, or what came first after a silence
   std::uint64_t heard_bytes_ = 0;                    // that had come by then

@@ -16,9 +16,9 @@ class RangeSerialDiagnostics {
  public:
   RangeSerialDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const std::string& port);
 
-  /// The port's state: "" is open, else why it is not.
+  /// The port's state: "" if open, else the reason why not.
   void recordPort(const std::string& trouble);
-  /// What the parser has counted so far.
+  /// The parser's counts so far.
   void recordCounts(const flight_corridor::serial::WireCounts& counts);
   /// Why no reading has had a range for a while; "" while they have.
   void recordInvalid(const std::string& cause);

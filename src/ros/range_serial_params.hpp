@@ -8,7 +8,7 @@
 
 namespace flight_corridor_ros {
 
-/// Parameters of range_serial; where it says "the sensor's", see serial::defaultsOf.
+/// Parameters of range_serial; for "the sensor's" see serial::defaultsOf.
 struct RangeSerialConfig {
   flight_corridor::serial::Protocol protocol{};  ///< `protocol`: lightware, tfmini or lidar_lite; required.
   std::string port = "/dev/ttyUSB0";
@@ -16,11 +16,11 @@ struct RangeSerialConfig {
   std::string frame_id = "range_link";            ///< x along the beam.
   double field_of_view_rad = 0.0;                 ///< Full width of the beam; the sensor's.
   flight_corridor::serial::RangeLimits limits{};  ///< `min_range_m`, `max_range_m`, `strength_min`; the sensor's.
-  std::string unit;   ///< Of the distances that the sensor sends; one of serial::unitsOf, the first where not given.
+  std::string unit;   ///< Of the distances that the sensor sends; one of serial::unitsOf, by default the first.
   double unit_m = 0;  ///< The same in metres.
-  std::string wake;   ///< What makes the sensor speak, sent at opening: bytes as "0x5A 0x04", or a text with \r, \n.
-  double request_hz = 0.0;  ///< How often a sensor that speaks on demand is asked; 0: it speaks by itself.
-  double silence_s = 3.0;   ///< Without a reading, or a range in one, for so long there is a warning.
+  std::string wake;   ///< Sent when the port opens, to start the sensor: bytes as "0x5A 0x04", or a text with \r, \n.
+  double request_hz = 0.0;  ///< How often a sensor is polled; 0: it sends by itself.
+  double silence_s = 3.0;   ///< A warning comes after this long without a reading, or without a range in one.
 };
 
 /// Configuration with these values, the sensor's defaults elsewhere.

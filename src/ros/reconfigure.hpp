@@ -17,7 +17,7 @@ namespace flight_corridor_ros {
 /// Keys of the parameters that may change in flight.
 std::vector<std::string> changeableKeys();
 
-/// A configuration with the values that a request names.
+/// A configuration with the values of a request.
 /// @throws std::invalid_argument naming every key that may not change in flight, else every broken rule.
 NodeConfig changed(const NodeConfig& config, const dynamic_reconfigure::Config& request);
 
@@ -27,7 +27,7 @@ NodeConfig changed(const NodeConfig& config, const dynamic_reconfigure::Config& 
 class Reconfigure {
  public:
   /// Makes a configuration effective, in the thread of the inbox's taker.
-  /// @throws std::invalid_argument when it cannot be; then nothing has changed.
+  /// @throws std::invalid_argument if it cannot; then nothing has changed.
   using Apply = std::function<void(const NodeConfig&)>;
 
   Reconfigure(const ros::NodeHandle& private_node, const NodeConfig& config, Inbox& inbox, Apply apply);
@@ -36,14 +36,14 @@ class Reconfigure {
   bool answer(dynamic_reconfigure::ReconfigureRequest& request, dynamic_reconfigure::ReconfigureResponse& response);
   void announce();
 
-  ros::CallbackQueue questions_;  // what waits for a pair must not hold up the next one
+  ros::CallbackQueue questions_;  // a call that waits for a pair must not block the next pair
   ros::NodeHandle node_;
   NodeConfig config_;  // effective; only answer() changes it
   Inbox& inbox_;
   Apply apply_;
   ros::Publisher descriptions_, updates_;
   ros::ServiceServer server_;
-  ros::AsyncSpinner spinner_{1, &questions_};  // ends before what it calls
+  ros::AsyncSpinner spinner_{1, &questions_};  // ends before the members that it calls
 };
 
 }  // namespace flight_corridor_ros

@@ -15,17 +15,17 @@
 
 namespace flight_corridor_ros {
 
-/// The pipeline for the rig that CameraInfo and tf describe, made anew when the cameras change. One thread.
+/// The pipeline for the rig described by CameraInfo and tf, rebuilt when the cameras change. One thread.
 class RigPipeline {
  public:
-  /// @param tf_timeout_s waits so long for the corridor's frame.  @param up for a level corridor.
+  /// @param tf_timeout_s longest wait for the corridor's frame.  @param up for a level corridor.
   RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s, UpDirection& up)
       : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s), up_(up) {}
 
-  /// Makes the pipeline fit a stereo pair. The LiDAR is the first of the range sensors that tf knows and whose beam
-  /// ends in the camera's view, else that looks ahead; it stays the LiDAR while that holds, and sits where tf says now.
+  /// Makes the pipeline fit a stereo pair. The LiDAR is the first range sensor that tf knows and whose beam ends in the
+  /// camera's view, else the first that points ahead; it stays the LiDAR while that holds, at its newest pose in tf.
   /// @param camera the left image's header, its frame without a leading slash.
-  /// @param left_info, right_info of the images that will be processed.
+  /// @param left_info, right_info of the images to process.
   /// @param range_frames of the range sensors, without a leading slash.
   /// @return why there is no pipeline: 0, kBadCalibration or kNoPose.
   std::uint32_t fit(const std_msgs::Header& camera, const sensor_msgs::CameraInfo& left_info,
@@ -35,7 +35,7 @@ class RigPipeline {
   bool isLidar(const std::string& frame) const { return hasLidar() && withoutSlash(frame) == lidar_frame_; }
   bool hasLidar() const { return T_C_L_.has_value(); }
 
-  /// After a pair: warns once when the GPU that was asked for does not match pairs; later rigs do without it.
+  /// After a pair: warns once if the requested GPU does not match pairs; later rigs do not use it.
   void watchDevice();
 
   /// Where the last pair was matched, and the failure of any rig so far.
@@ -45,11 +45,11 @@ class RigPipeline {
   flight_corridor::Pipeline* operator->() { return &*pipeline_; }
   explicit operator bool() const { return is_fit_; }
 
-  /// From now on this corridor is judged, see Pipeline::setCorridor().
-  /// @throws std::invalid_argument naming what the rig cannot see; then nothing has changed.
+  /// Changes the corridor, see Pipeline::setCorridor().
+  /// @throws std::invalid_argument if the rig cannot see it; then nothing has changed.
   void setCorridor(const flight_corridor::CorridorConfig& corridor);
 
-  /// Forgets everything, the LiDAR's frame too.
+  /// Forgets everything, also the LiDAR's frame.
   void reset();
 
  private:

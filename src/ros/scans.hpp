@@ -12,19 +12,19 @@
 
 namespace flight_corridor_ros {
 
-// The level scan as others take it. Its frames: CAMERA_scan at the left camera, x along the heading, z up, and
+// The level scan as messages for others. Its frames: CAMERA_scan at the left camera, x along the heading, z up, and
 // CAMERA_scan_frd, the same with y right and z down. `camera` is the left image's header.
 
 /// Both frames in the camera's.  @param R_C_H turns vectors of the scan's frame into C.
 std::vector<geometry_msgs::TransformStamped> scanFrames(const std_msgs::Header& camera, const Eigen::Matrix3d& R_C_H);
 
-/// REP-117: +inf where nothing is up to range_max, NaN where that is not known. -inf does not occur: what is nearer
-/// than range_min counts as there.
+/// REP-117: +inf if there is nothing up to range_max, NaN if that is not known. -inf does not occur: an obstacle nearer
+/// than range_min counts at range_min.
 sensor_msgs::LaserScan toScan(const std_msgs::Header& camera, const flight_corridor::LevelScan& scan);
 
 /// For mavros' plugin obstacle_distance: the whole circle in 72 bins of 5 degrees, clockwise from ahead, as autopilots
-/// take it. Free is range_max and a centimetre; NaN, which is not known, is all that is out of view. In a bin the
-/// nearest obstacle counts.
+/// expect. Free is range_max plus a centimetre; NaN (not known) are all bins out of view. In a bin the nearest obstacle
+/// counts.
 sensor_msgs::LaserScan toObstacleDistance(const std_msgs::Header& camera, const flight_corridor::LevelScan& scan);
 
 }  // namespace flight_corridor_ros

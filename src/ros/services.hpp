@@ -18,13 +18,14 @@
 
 namespace flight_corridor_ros {
 
-/// The node's private services. The inbox's taker answers, between two pairs: what is asked never meets a map in the
-/// making and waits for one pair at most, also when none come. What an answer throws is the caller's error message.
+/// The node's private services. The inbox's taker answers, between two pairs: a query never meets a half-built map, and
+/// waits for one pair at most, even if no pairs come. An exception of an answer is the caller's error message.
 class Services {
  public:
   using IsFresh = std::function<bool(const ros::Time& stamp)>;
 
-  /// @param is_fresh whether what a pair of this stamp showed may still be called free; asked in the taker's thread.
+  /// @param is_fresh whether the evidence of a pair with this stamp is recent enough for FREE; called in the taker's
+  /// thread.
   Services(const ros::NodeHandle& private_node, const Transforms& transforms, Inbox& inbox, Processor& processor,
            IsFresh is_fresh);
 
@@ -42,14 +43,14 @@ class Services {
   flight_corridor::Box boxOf(const flight_corridor::QueryCorridorRequest& request,
                              const Eigen::Isometry3d& T_P_F) const;
 
-  ros::CallbackQueue questions_;  // that wait for a pair must not hold up the next one
+  ros::CallbackQueue questions_;  // calls that wait for a pair must not block the next pair
   ros::NodeHandle node_;
   const Transforms& transforms_;
   Inbox& inbox_;
   Processor& processor_;
   IsFresh is_fresh_;
   std::vector<ros::ServiceServer> servers_;
-  ros::AsyncSpinner spinner_{1, &questions_};  // ends before what it calls
+  ros::AsyncSpinner spinner_{1, &questions_};  // ends before the members that it calls
 };
 
 }  // namespace flight_corridor_ros

@@ -4,11 +4,11 @@
 
 namespace flight_corridor_ros {
 
-/// How a stamp stands to the clock: "0.610 s old", "stamped 3600.000 s (1.0 h) ahead of the clock".
+/// A stamp relative to the clock: "0.610 s old", "stamped 3600.000 s (1.0 h) ahead of the clock".
 /// @param age_s the clock less the stamp.
 std::string describeAge(double age_s);
 
-/// What to do about a stamp that is out of date: clocks that differ by whole half hours are set to different zones.
+/// Remedy for an outdated stamp: clocks that differ by a multiple of half an hour are set to different zones.
 std::string clockRemedy(double age_s);
 
 }  // namespace flight_corridor_ros

@@ -20,7 +20,7 @@
 
 namespace flight_corridor_ros {
 
-/// One stereo pair as it came.
+/// One stereo pair as received.
 struct StereoMessages {
   StereoMessages() = default;
   StereoMessages(const sensor_msgs::ImageConstPtr& left, const sensor_msgs::CameraInfoConstPtr& left_info,
@@ -30,7 +30,7 @@ struct StereoMessages {
   sensor_msgs::CameraInfoConstPtr left_info;
   sensor_msgs::ImageConstPtr right;
   sensor_msgs::CameraInfoConstPtr right_info;
-  std_msgs::Header header;  ///< The left image's, its frame without a leading slash: that of all that comes out.
+  std_msgs::Header header;  ///< The left image's, its frame without a leading slash: the header of all outputs.
 };
 
 /// Stereo pairs of left/ and right/ image_rect and camera_info, by equal or similar stamps. Survives looping bags.
@@ -39,7 +39,7 @@ class StereoSubscriber {
   StereoSubscriber(const ros::NodeHandle& node, const RosConfig& config,
                    std::function<void(const StereoMessages&)> callback);
 
-  /// Why no pair has come for a while, and what to do about it. Any thread.
+  /// Why no pair has come for a while, and the remedy. Any thread.
   std::string explainSilence(double silent_s) const;
 
  private:
@@ -58,7 +58,7 @@ class StereoSubscriber {
   std::function<void(const StereoMessages&)> callback_;
   const bool approximate_sync_;
   PairWatch watch_;
-  // Messages with a possible stamp, for the synchronizer; they outlive those who hand them on.
+  // Messages with a possible stamp, for the synchronizer; they outlive the callbacks that pass them on.
   message_filters::PassThrough<sensor_msgs::Image> possible_left_, possible_right_;
   message_filters::PassThrough<sensor_msgs::CameraInfo> possible_left_info_, possible_right_info_;
   image_transport::ImageTransport transport_;

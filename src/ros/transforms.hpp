@@ -15,27 +15,26 @@
 
 namespace flight_corridor_ros {
 
-/// A frame's name as tf2 and all who use it take it: tf's first generation began names with a slash, and drivers and
-/// old bags still do.
+/// A frame's name as in tf2, without the leading slash of the first tf, which drivers and old bags still use.
 std::string withoutSlash(const std::string& frame);
 
-/// Whether a stamp is one that the libraries can represent: near the end of what ros::Time holds (2106) its
-/// arithmetic throws in their threads, which ends the process.
+/// Whether the libraries can represent a stamp: near the end of ros::Time (2106) its arithmetic throws in their
+/// threads, which ends the process.
 inline bool isPossible(const ros::Time& stamp) { return stamp.sec < 4000000000u; }
 
 /// Poses from tf.
 class Transforms {
  public:
-  /// Listens to /tf and /tf_static in a thread of its own. (tf2_ros's listener lets a stranger's stamp end the
+  /// Listens to /tf and /tf_static in a thread of its own. (In tf2_ros's listener an invalid stamp can end the
   /// process.)
   explicit Transforms(const ros::NodeHandle& node);
-  /// Listens to nobody: knows what add() gave it, and forgets nothing that a recording could hold.
+  /// Subscribes to nothing: knows only the transforms of add(), and forgets none within a recording.
   Transforms() : buffer_(ros::Duration(1e8)) {}
 
-  /// What tf2 refuses is left out.
+  /// Transforms that tf2 refuses are left out.
   void add(const geometry_msgs::TransformStamped& transform, bool is_static);
 
-  /// What a topic says.
+  /// A message of a topic.
   void receive(const tf2_msgs::TFMessage& message, bool is_static);
 
   /// T_target_source at a stamp (ros::Time(0): the newest).
@@ -47,7 +46,7 @@ class Transforms {
 
  private:
   tf2_ros::Buffer buffer_;
-  ros::Time heard_;  // when the newest message came
+  ros::Time heard_;  // time of the newest message
   Throttle warning_;
   ros::CallbackQueue queue_;
   ros::Subscriber moving_, static_;

@@ -12,28 +12,28 @@
 
 namespace flight_corridor_ros {
 
-/// R_C_H of the level frame H, x along the heading of F, z up: what F becomes when roll and pitch are taken from it.
-/// @param up_C where up is, a unit vector.
-/// @return nullopt when F points so steeply, above 80 degrees, that it has no heading.
+/// R_C_H of the level frame H, x along the heading of F, z up: F without roll and pitch.
+/// @param up_C direction of up, a unit vector.
+/// @return nullopt if F points more than 80 degrees up or down: it has no heading.
 std::optional<Eigen::Matrix3d> levelled(const Eigen::Matrix3d& R_C_F, const Eigen::Vector3d& up_C);
 
-/// Where up is in the imu's frame, by its orientation (REP-145: of the imu in a fixed frame, z up).
-/// @return nullopt when the message says that it holds none (covariance[0] = -1), or holds no unit quaternion.
+/// Direction of up in the imu's frame, by its orientation (REP-145: of the imu in a fixed frame, z up).
+/// @return nullopt if the message has no orientation (covariance[0] = -1), or it is not a unit quaternion.
 std::optional<Eigen::Vector3d> toUp(const sensor_msgs::Imu& message);
 
-/// Where up is, from tf or the imu's attitude. One thread.
+/// Direction of up, from tf or the imu's attitude. One thread.
 class UpDirection {
  public:
   /// @param gravity_frame a fixed frame of tf, z up.
-  /// @param tf_timeout_s waits so long for it, where tf knows it at all and no imu speaks.
+  /// @param tf_timeout_s longest wait for it, if tf knows it at all and there is no imu.
   UpDirection(const std::string& gravity_frame, const Transforms& transforms, double tf_timeout_s)
       : gravity_frame_(gravity_frame), transforms_(transforms), tf_timeout_s_(tf_timeout_s) {}
 
   /// A message of the imu; the newest that holds an attitude counts.
   void add(const sensor_msgs::ImuConstPtr& imu);
 
-  /// Unit vector in the camera's frame C at its stamp: by tf, else by the imu, if it spoke within 0.1 s of then.
-  /// @return nullopt, and a throttled warning, when nobody knows.
+  /// Unit vector in the camera's frame C at its stamp: by tf, else by an imu message within 0.1 s.
+  /// @return nullopt, and a throttled warning, if neither knows.
   std::optional<Eigen::Vector3d> find(const std_msgs::Header& camera);
 
   /// Forgets the imu.

@@ -9,13 +9,13 @@
 
 namespace flight_corridor_ros {
 
-/// One parameter as YAML or the parameter server types it.
+/// One parameter, typed as in YAML or on the parameter server.
 using Value = std::variant<std::monostate, bool, int, double, std::string, std::vector<double>>;
 /// Parameters by key, "section/name"; monostate: a type that no parameter has.
 using Values = std::map<std::string, Value>;
 
 /// Every parameter of a YAML file.
-/// @throws std::invalid_argument naming the file when it is missing or is no YAML map.
+/// @throws std::invalid_argument naming the file if it is missing or not a YAML map.
 Values readYaml(const std::string& path);
 
 /// Every parameter of a private namespace on the parameter server.
@@ -25,7 +25,7 @@ Values readParameters(const ros::NodeHandle& private_node);
 void writeParameters(const ros::NodeHandle& private_node, const Values& values);
 
 /// Sets one parameter from "key=value", the value as in YAML.
-/// @throws std::invalid_argument when there is no key or the value is no YAML.
+/// @throws std::invalid_argument if there is no key or the value is not YAML.
 void setParameter(Values& values, const std::string& key_and_value);
 
 /// A value as text, for messages.

@@ -7,24 +7,24 @@
 
 namespace flight_corridor::serial {
 
-/// Cuts a stream of bytes into lines. A line counts only after a newline that was seen: a number whose first digits
-/// are missing still looks like one.
+/// Cuts a stream of bytes into lines. A line counts only after a newline: a number whose first digits are missing still
+/// looks like a number.
 class LineReader {
  public:
-  static constexpr std::size_t kLongest = 64;  ///< Characters of a line; more are no line.
+  static constexpr std::size_t kLongest = 64;  ///< Longest line in characters.
 
   struct Line {
     std::string text;   ///< Without its end, \n or \r\n.
     std::size_t bytes;  ///< With it.
-    double stamp_s;     ///< When its first byte arrived.
+    double stamp_s;     ///< Time of arrival of its first byte.
   };
 
-  /// @return the line that this byte ends, if it ends one.
+  /// @return the line that this byte completes, if any.
   std::optional<Line> add(std::uint8_t byte, double arrival_s);
 
   /// Bytes that belong to no line: begun before the first newline, or too long.
   std::uint64_t skipped() const { return skipped_; }
-  /// Bytes of the line that has not ended.
+  /// Bytes of the incomplete line.
   std::size_t held() const { return text_.size(); }
 
  private:

@@ -4,13 +4,13 @@
 
 namespace flight_corridor::serial {
 
-/// What one frame or line of a LiDAR says, before the sensor's limits are applied.
+/// The content of one frame or line of a LiDAR, before the sensor's limits are applied.
 struct Measurement {
-  /// [m] REP-117: +inf no return, NaN the sensor says that it is not valid.
+  /// [m] REP-117: +inf no return, NaN invalid according to the sensor.
   double range_m = std::numeric_limits<double>::quiet_NaN();
-  /// In the sensor's own unit; NaN: it does not say.
+  /// In the sensor's own unit; NaN: not given.
   double strength = std::numeric_limits<double>::quiet_NaN();
-  /// What the sensor sent in place of a distance, e.g. -3; NaN: no such number.
+  /// Error code in place of a distance, e.g. -3; NaN: no error.
   double error_code = std::numeric_limits<double>::quiet_NaN();
   /// What the code means, with the remedy, as its sensors' manual says; "": it does not.
   const char* error = "";

@@ -14,11 +14,11 @@ const char* toString(Protocol protocol);
 /// @return nullopt for a name that no protocol has.
 std::optional<Protocol> parseProtocol(const std::string& name);
 
-/// What every LiDAR that speaks a protocol can do; what one of them does better is a parameter's matter.
+/// The abilities that all LiDARs of a protocol share; parameters extend them for better sensors.
 struct SensorDefaults {
   double field_of_view_rad;
   double min_range_m, max_range_m;
-  double strength_min;  ///< In the sensor's unit; weaker returns are not believed.
+  double strength_min;  ///< In the sensor's unit; weaker returns are invalid.
 };
 SensorDefaults defaultsOf(Protocol protocol);
 
@@ -26,12 +26,12 @@ struct Unit {
   const char* name;
   double metres;
 };
-/// In which units a LiDAR that speaks a protocol may be set to give distances; the first is the usual one.
+/// Units of distance in a protocol; the first is the usual one.
 std::vector<Unit> unitsOf(Protocol protocol);
 
-/// Whether its readings say how strong the return was.
+/// Whether its readings have the return's strength.
 bool hasStrength(Protocol protocol);
-/// What makes a LiDAR that speaks on demand send one reading; "" where none waits to be asked.
+/// Request for one reading of a polled LiDAR; "" if the protocol has none.
 std::string requestOf(Protocol protocol);
 
 }  // namespace flight_corridor::serial

@@ -14,20 +14,20 @@
 
 namespace flight_corridor::serial {
 
-/// What a reading must keep to be believed. 0 <= min_range_m < max_range_m.
+/// Limits of a valid reading. 0 <= min_range_m < max_range_m.
 struct RangeLimits {
   double min_range_m, max_range_m;
   double strength_min;
 };
 
-/// The range of a measurement as REP-117 has it: NaN where it is not valid or weaker than strength_min, -inf nearer
-/// than min_range_m, +inf without a return and from max_range_m on (there sensors clip), else metres.
+/// The range of a measurement by REP-117: NaN if it is invalid or weaker than strength_min, -inf nearer than
+/// min_range_m, +inf without a return and from max_range_m on (there sensors clip), else metres.
 double limitedRange(const Measurement& measurement, const RangeLimits& limits);
 
 struct WireReading {
-  double range_m;                                                ///< limitedRange().
-  double strength;                                               ///< NaN: the sensor does not say.
-  double stamp_s;                                                ///< When the first byte of its frame began to arrive.
+  double range_m;   ///< limitedRange().
+  double strength;  ///< NaN: not given.
+  double stamp_s;   ///< Time at which the first byte of its frame began to arrive.
   double error_code = std::numeric_limits<double>::quiet_NaN();  ///< See Measurement.
   const char* error = "";
 };
@@ -35,24 +35,23 @@ struct WireReading {
 /// Since the parser was made.
 struct WireCounts {
   std::uint64_t bytes = 0, readings = 0;
-  std::uint64_t refused_bytes = 0;  ///< Led to no reading: noise, halves, wrong checksums, what no number is.
+  std::uint64_t refused_bytes = 0;  ///< Without a reading: noise, halves, wrong checksums, text that is not a number.
   std::uint64_t checksum_errors = 0;
 };
 
-/// Turns the bytes of a LiDAR into readings. How they are cut into pieces changes stamps alone.
+/// Turns the bytes of a LiDAR into readings. How they are cut into pieces changes only stamps.
 class RangeParser {
  public:
-  /// @param byte_s how long a byte is on the wire: 10 bits (8N1) over the baud rate.
+  /// @param byte_s time of a byte on the wire: 10 bits (8N1) over the baud rate.
   /// @param unit_m one of unitsOf(protocol).
   RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s, double unit_m);
 
-  /// Adds the readings that these bytes complete.
-  /// A byte's arrival: so many bytes times byte_s before the read, but no earlier than the read before: then it was not
-  /// there.
-  /// @param read_s when they were read.
+  /// Adds the readings that these bytes complete. A byte's arrival: the number of later bytes times byte_s before the
+  /// read, but no earlier than the previous read: then it was not there.
+  /// @param read_s time of the read.
   void feed(const std::uint8_t* bytes, std::size_t size, double read_s, std::vector<WireReading>& readings);
 
-  /// A new stream begins: what was held is refused.
+  /// A new stream begins: held bytes are refused.
   void restart();
 
   const WireCounts& counts() const { return counts_; }

@@ -18,22 +18,22 @@ class SerialPort {
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// Opens it for this process alone; what came before is dropped. Where the driver can, bytes are not gathered before
-  /// they are handed on (USB converters of FTDI do so for 16 ms).
+  /// Opens it exclusively; earlier bytes are dropped. If the driver can, it passes bytes on at once (FTDI's USB
+  /// converters gather them for 16 ms).
   /// @param baud one of baudRates().
-  /// @return what was in the way; "" when it is open.
+  /// @return the reason of a failure; "" if it is open.
   std::string open(const std::string& path, int baud);
   bool isOpen() const { return file_ >= 0; }
   void close();
 
   /// Waits for bytes.
-  /// @return how many came; 0 when none did in this time, or when the port is gone: then it is closed.
+  /// @return the number of bytes; 0 if none came in this time, or if the port is gone: then it is closed.
   std::size_t read(std::uint8_t* bytes, std::size_t capacity, double timeout_s);
 
-  /// Sends what the port takes at once: what it does not take is lost.
+  /// Sends as much as the port accepts at once; the rest is lost.
   void write(const std::string& text);
 
-  /// Why the port went: "" while it has not.
+  /// Why the port was lost; "" otherwise.
   const std::string& lossReason() const { return loss_reason_; }
 
  private:

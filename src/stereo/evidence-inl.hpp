@@ -1,4 +1,5 @@
-// What sums and costs say of each pixel: best match, set, competitors; compiled once for each of Highway's targets.
+// Evidence at each pixel from sums and costs: best match, set, competitors; compiled once for each of Highway's
+// targets.
 #if defined(FLIGHT_CORRIDOR_EVIDENCE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef FLIGHT_CORRIDOR_EVIDENCE_INL_HPP
 #undef FLIGHT_CORRIDOR_EVIDENCE_INL_HPP
@@ -142,8 +143,8 @@ HWY_NOINLINE void moveWindow(RowMatcher& m, int v, int first_u, int end_u, Curve
   sum = window;
 }
 
-/// Competitors lie beyond the first barrier on either side of the winner, where the right camera looks. Distinct is a
-/// winner that at least half of the disparities are clearly worse than whose whole window the right camera sees.
+/// Competitors lie beyond the first barrier on either side of the winner, in the right camera's view. A winner is
+/// distinct if at least half of the disparities whose whole window the right camera sees are clearly worse.
 /// @param costs the windows', of a block.
 template <int kVectors>
 HWY_NOINLINE void judge(RowMatcher& m, int v, int first_u, int end_u, const std::uint8_t* costs, std::uint8_t* farthest,

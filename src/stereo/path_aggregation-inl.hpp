@@ -53,8 +53,8 @@ void penalties(const std::uint8_t* to, const std::uint8_t* from, int count, std:
   }
 }
 
-/// Codes of row v, and P2 of the steps to it. What is read beyond the ends belongs to steps that begin a path: there it
-/// has no effect.
+/// Codes of row v, and P2 of the steps to it. Values read beyond the ends belong to steps at a path's start, where they
+/// have no effect.
 void prepareRow(RowMatcher& m, int v) {
   const int width = m.size.width_px, smallest = m.size.min_disparity_px;
   censusCodes(m.leftRow(v - 1), m.leftRow(v), m.leftRow(v + 1), width, m.left_codes);
@@ -73,7 +73,7 @@ void prepareRow(RowMatcher& m, int v) {
   }
 }
 
-/// What a step of a path adds to C(p, d), before eq. 13 takes the minimum off.
+/// The term that a step of a path adds to C(p, d), before eq. 13 subtracts the minimum.
 /// @param before L(q, d).  @param neighbour the smaller of L(q, d -+ 1).  @param jump min L(q) + P2.
 HWY_INLINE Vector stepped(Vector before, Vector neighbour, Vector jump) {
   const Vector small_step = hn::SaturatedAdd(neighbour, hn::Set(Bytes(), kSmallStepPenalty));

@@ -23,8 +23,9 @@ using AlignedBytes = std::unique_ptr<std::uint8_t[], AlignedDelete>;
 constexpr int kPad_px = 16;          // before and behind a row: windows and vectors of words reach no farther
 constexpr int kVectorSlack_px = 64;  // behind all that vectors read or write
 
-constexpr int kBlock_px = 64;  // pixels after whose paths their minima and windows are looked at: all that stays near
-constexpr int kColumns = 8;    // of a moving window, kept: its own and one more; a power of two
+constexpr int kBlock_px =
+    64;  // pixels after whose paths their minima and windows are evaluated: all data stays in the cache
+constexpr int kColumns = 8;  // of a moving window, kept: its own and one more; a power of two
 
 constexpr int kLargestWindow = (2 * kWindowReach_px + 1) * (3 * kCensusBits / 2);
 static_assert(kLargestWindow + std::max(kBarrier, kClearlyWorse) <= 255, "8 bits");
@@ -33,7 +34,7 @@ struct ImagePair {
   GreyImage left, right;
 };
 
-/// What one thread needs to match a band, row by row. Rings hold the rows that windows reach; a row's number, modulo
+/// The memory of one thread to match a band, row by row. Rings hold the rows that windows reach; a row's number, modulo
 /// the ring's length, is its place.
 struct RowMatcher {
   explicit RowMatcher(const MatcherSize& matcher_size);
@@ -82,7 +83,7 @@ class SubpixelPlane {
     return fixed_.data() + static_cast<std::size_t>(v + kAverageReach_px) * stride_ + kPad_px;
   }
 
-  /// Averages a row and tells repeated matches from others.  @param out flags are read.
+  /// Averages a row and separates repeated matches from others.  @param out flags are read.
   void average(int v, const MatchPlanes& out);
 
  private:

@@ -1,4 +1,4 @@
-// Where between whole disparities matches lie; compiled once for each of Highway's targets.
+// Sub-pixel positions of matches; compiled once for each of Highway's targets.
 #if defined(FLIGHT_CORRIDOR_SUBPIXEL_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef FLIGHT_CORRIDOR_SUBPIXEL_INL_HPP
 #undef FLIGHT_CORRIDOR_SUBPIXEL_INL_HPP
@@ -127,7 +127,7 @@ using Words = hn::ScalableTag<std::int16_t>;
 constexpr int kWordLanes = static_cast<int>(hn::MaxLanes(Words())),
               kLongLanes = static_cast<int>(hn::MaxLanes(Longs()));
 
-/// What a pixel's average is more than itself, as a quotient.  @param middle in a plane with room around.
+/// The excess of a pixel's average over its own value, as a quotient.  @param middle in a plane with room around.
 HWY_INLINE void average(const std::int16_t* middle, std::ptrdiff_t stride, std::int16_t* part, std::int16_t* whole) {
   const Words words;
   const hn::RebindToUnsigned<Words> unsigned_words;

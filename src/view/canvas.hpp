@@ -10,7 +10,7 @@
 
 namespace flight_corridor {
 
-constexpr double kNearestDrawn_m = 0.1;  // what reaches behind the camera is cut here
+constexpr double kNearestDrawn_m = 0.1;  // shapes that reach behind the camera are clipped here
 
 /// A picture as CV_8UC3 (BGR), its own copy.
 inline void toColour(const cv::Mat& picture, cv::Mat& out) {
@@ -27,7 +27,7 @@ inline void write(cv::Mat& image, const std::string& text, cv::Point at, double 
   cv::putText(image, text, at, cv::FONT_HERSHEY_DUPLEX, scale, colour, 1, cv::LINE_AA);
 }
 
-/// Draws what stands in C on the left image.
+/// Draws shapes given in C on the left image.
 class Canvas {
  public:
   Canvas(const StereoGeometry& geometry, cv::Mat& image) : geometry_(geometry), image_(image) {}
