@@ -33,7 +33,7 @@ const Config& valid(const Config& config) {
   return config;
 }
 
-/// A baseline in another unit, or too few disparities: what stereo sees begins where the corridor is all but over.
+/// A baseline in another unit, or too few disparities: stereo begins to see only near the corridor's end.
 /// @throws std::invalid_argument
 void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry, double nearest_m) {
   const double end_m = corridor.offset_m.x() + corridor.length_m + corridor.margin_m;
@@ -45,8 +45,8 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   throw std::invalid_argument(text.str());
 }
 
-/// Repeated matches that are where the LiDAR met the pattern, to a pixel, are no longer in question.
-/// @param met_px corrected disparity of what it met; NaN: nothing.
+/// Repeated matches at the LiDAR's range, to a pixel, are confirmed.
+/// @param met_px corrected disparity of the surface that it met; NaN: none.
 void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
   if (std::isnan(met_px)) return;
   float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
@@ -136,9 +136,9 @@ void Pipeline::trackRange() {
   static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
-/// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules the beam alone and
-/// contradicts all of it; one that is farther says nothing against it. What is in doubt clears nothing (the beam clears
-/// its own cells): what the map calls free is believed by others, and later.
+/// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules only the beam, but
+/// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
+/// because others rely on the map's free space, and later.
 bool Pipeline::isTrusted() const {
   return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
 }
@@ -166,7 +166,7 @@ PairEvidence Pipeline::evidence() const {
   return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, scale(), nearestDepth()};
 }
 
-/// What was ever seen in the box and is not known to have gone blocks it; only what this frame shows makes it free.
+/// An obstacle seen earlier in the box blocks until it is known to have gone; only this frame's evidence makes FREE.
 void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
   const CorridorConfig& corridor = config_.corridor;

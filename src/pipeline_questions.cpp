@@ -4,13 +4,13 @@
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/pipeline.hpp"
 
-// What the last pair says of other boxes than the corridor.
+// The last pair's verdicts on other boxes than the corridor.
 
 namespace flight_corridor {
 
 namespace {
 
-constexpr std::uint32_t kMapInDoubt =  // reasons of a frame that left no evidence in the map, or none to trust
+constexpr std::uint32_t kMapInDoubt =  // reasons of a frame without evidence, or without trusted evidence, in the map
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kNoDisparity | kDisagreement | kLidarNearer;
 
 constexpr double kMostUnknown = 0.1;     // of a box that is asked about
@@ -29,8 +29,8 @@ double shareNearer(const Box& box_C, double depth_m) {
 
 }  // namespace
 
-/// Of what the LiDAR's beam meets in the view of a box's end; NaN when it meets nothing there: a pattern in that view
-/// is where the LiDAR measures it.
+/// Depth of the surface that the LiDAR's beam meets in the view of a box's end, NaN if there is none: the LiDAR places
+/// a pattern in that view.
 double Pipeline::validLidarDepth(const Box& box_C) const {
   const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
   const Eigen::Vector2d pixel = geometry_.project(met_C);
@@ -140,8 +140,8 @@ LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   return scan;
 }
 
-/// Whether it is a way that the UAV may take from where it is, as the free areas are: then it is judged as the
-/// corridor. What of it is out of view, beside the camera, was seen from farther away, or is where the UAV is.
+/// Whether it is a way that the UAV may take from its place, like the free areas: then it is judged like the corridor.
+/// Its part out of view, beside the camera, was seen from farther away, or is at the UAV.
 bool Pipeline::beginsAtUav(const Box& box_C) const {
   const CorridorConfig& corridor = config_.corridor;
   const Box ahead_C = boxInCamera();

@@ -36,7 +36,7 @@ void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, con
   });
 }
 
-/// The right camera meets the nearest of what is matched there.
+/// The right camera's ray meets the nearest match there.
 void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::uint8_t* textured,
                           const ScaleCorrection& correction) {
   const int width = met_left_px_.cols;
@@ -62,9 +62,8 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
 }
 
 /// An end is the nearest of the matches in a strip beside the run as wide as an edge's. The right image must be without
-/// texture, too, for such a strip inside the run where that end's disparity puts it: what is smeared in both images, or
-/// ends elsewhere, is no surface. A run that reaches the image's side
-/// has one end.
+/// texture, too, for such a strip inside the run, at that end's disparity: a run that is smeared in both images, or
+/// ends elsewhere, is not a surface. A run that reaches the image's side has one end.
 void ClearRays::clearTexturelessRuns(int v, const DisparityEvidence& evidence, const std::uint8_t* left,
                                      const std::uint8_t* right) {
   const int width = met_left_px_.cols;

@@ -7,7 +7,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kSmallest_m = 0.03;  // edge: what is matched by chance forms smaller patches anywhere
+constexpr double kSmallest_m = 0.03;  // edge: chance matches form smaller patches anywhere
 
 }  // namespace
 

@@ -7,7 +7,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kMostDirections = 400.0;  // what a pair's time and memory are for
+constexpr double kMostDirections = 400.0;  // limit of a pair's time and memory
 constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
 
 }  // namespace

@@ -44,7 +44,7 @@ double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const 
 
 }  // namespace
 
-/// Done again only where the boxes differ from the last ones.
+/// Repeated only if the boxes differ from the last ones.
 void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
   if (from_m == from_m_ && smallest_m == smallest_m_ && fan == fan_) return;
   fan_ = fan;
@@ -85,7 +85,7 @@ void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
   }
 }
 
-/// Where the last pair puts a plane.
+/// A plane in the last pair's disparities.
 Holes::Place Holes::place(const Plane& plane, const ScaleCorrection& correction, double nearest_m) const {
   const StereoCalibration& rig = geometry_.calibration();
   Place place;
@@ -203,7 +203,7 @@ Unobserved Holes::measure(int direction) const {
   return measured;
 }
 
-/// The nearest that hides the smallest obstacle; what is too near to be matched is none.
+/// The nearest hole that hides the smallest obstacle; space too near to be matched is not a hole.
 void Holes::findHole(int direction, const ClearRays& rays, Unobserved& found) {
   const StereoCalibration& rig = geometry_.calibration();
   found.hole_along_m = kInfinity;

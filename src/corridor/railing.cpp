@@ -29,20 +29,20 @@ constexpr int kMiddle_px = 3;              // ... which is so wide and high
 constexpr double kWiderThanHigh = 2.5;     // the view of a row of bars, at least
 constexpr double kLargestScale = 1.2;      // upper bound of true over measured depth
 constexpr double kBeside_px = 2.0;         // so far beside its surface a window may fit
-constexpr int kFewestFitting = 40;         // windows; fewer say nothing
+constexpr int kFewestFitting = 40;         // windows; fewer prove nothing
 constexpr double kRailingShare = 0.23;     // of these; doc/experiments.md has the shares of other scenes
 constexpr double kInARow = 0.2;            // of its windows; of two trees that look alike hardly any
 constexpr double kPatternOnlyShare = 0.7;  // of these: no wall is seen between the bars
 constexpr double kWidePitch_m = 0.3;       // of bars at their match's distance: farther apart than those of fences
 constexpr double kWideInARow = 0.4;        // of their windows, at least; of a forest's fewer are
 constexpr double kOfAPitch = 0.6;          // of the most windows: as many agree on the pitch, most on a multiple
-constexpr double kFarther_px = 1.0;        // by so much less disparity what is seen beside a fence is farther
+constexpr double kFarther_px = 1.0;        // with this much less disparity a surface beside a fence is farther
 constexpr double kFartherShare = 0.1;      // of it, at least
 
 /// A window that has a match in the box.
 struct Bar {
   cv::Point at;
-  double surface_px;  // disparity of what it was matched on
+  double surface_px;  // disparity of its own match
   int offset_px;      // of its match in the box from that
 };
 
@@ -122,7 +122,7 @@ double shareInARow(const Railing& railing, const Bars& bars, const cv::Rect& vie
   return in_view > 0 ? static_cast<double>(in_a_row) / in_view : out_of_view;
 }
 
-/// Whether the bars would be farther apart than those of a fence if they were where they were matched.
+/// Whether the bars, at their match's distance, would be farther apart than those of a fence.
 /// @param least_px smaller offsets are not in the box: half of the railing's must be, or it may be twice the pitch.
 bool isTooWideForAFence(const Railing& railing, const Bars& bars, double least_px, const cv::Rect& view,
                         const StereoGeometry& geometry) {
@@ -142,7 +142,7 @@ float textureAt(const cv::Mat& image, int u, int v) {
   return static_cast<float>(sum) / static_cast<float>(kMiddle_px * kMiddle_px);
 }
 
-/// Whether much of what is seen in and around a view is behind a surface.
+/// Whether many matches in and around a view are behind a surface.
 bool showsFarther(const cv::Rect& view, double surface_px, const cv::Mat& depth_m, const StereoGeometry& geometry) {
   const cv::Rect around = cv::Rect(view.tl() - cv::Point(view.size()), view.size() * 3) & cv::Rect({}, depth_m.size());
   const double farther_px = surface_px - kFarther_px;

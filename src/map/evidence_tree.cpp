@@ -2,7 +2,7 @@
 
 namespace flight_corridor {
 
-/// A leaf on the way, pruned, gets eight children like it; where there is nothing, the way alone comes into being.
+/// A pruned leaf on the path gets eight equal children; in unknown space only the path is created.
 void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, float log_odds) {
   bool is_new = root == nullptr;
   if (is_new) {
@@ -45,7 +45,7 @@ void EvidenceTree::forget(const octomap::OcTreeKey& low, const octomap::OcTreeKe
 }
 
 /// Needs inner nodes that are up to date, and leaves them so.
-/// @return whether nothing is left of the node's cube: the node is a leaf then, to be deleted.
+/// @return whether the node's cube is empty: the node is then a leaf to be deleted.
 bool EvidenceTree::forgetIn(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth,
                             const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
   const unsigned last_cell = (1u << (kDepth - depth)) - 1;

@@ -73,7 +73,7 @@ Outcome RangeFusion::insert(const Reading& reading) {
   return steps_[inserted].outcome;
 }
 
-/// What the buffer's duration no longer needs goes at once, at least a quarter: so forgetting is rare.
+/// Steps older than the buffer's duration are dropped together, at least a quarter: so forgetting is rare.
 void RangeFusion::forgetOldest() {
   const double oldest_s = steps_.back().reading.stamp_s - config_.buffer_s;
   const auto needed = std::find_if(steps_.begin() + kCapacity / 4, steps_.end() - 1,
@@ -234,7 +234,7 @@ bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, dou
   return squared(innovation) <= squared(gate_sigma) * gate_variance_m2 && !leaps;
 }
 
-/// Whether a reading is farther than what the other sensor holds.
+/// Whether a reading is farther than the other sensor's range.
 bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) const {
   return reading.value > filter.mean[0] && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
 }
@@ -295,7 +295,7 @@ bool RangeFusion::isContradicted(const SensorTrack& track, double stamp_s) const
   return stamp_s - track.gated.stamp_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
 }
 
-/// Whoever the present estimate followed is in persistent disagreement from now on.
+/// The sensor that the estimate followed is in persistent disagreement from now on.
 void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
   if (!isFollowed(followed, stamp_s)) return;
   followed.gated = {followed.gated.kind, stamp_s, filter.mean[0], filter.covariance(0, 0)};

@@ -8,7 +8,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
-constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: they show what the LiDAR met
+constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: stereo shows the LiDAR's surface, too
 constexpr double kRemembered_s = 1.0;      // of a contradiction, at most
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is reported when the beam meets nothing
 
@@ -32,8 +32,8 @@ RangeTracker::RangeTracker(const LidarConfig& lidar, const FusionConfig& fusion,
       fusion_(fusion),
       scale_(scale) {}
 
-/// Where the beam points elsewhere, its range changes as it does where the scene changes, and is followed alike: what
-/// disagreed before still does.
+/// With another direction of the beam its range changes as with a change of the scene, and is followed alike: a
+/// disagreement persists.
 void RangeTracker::mount(const std::optional<Eigen::Isometry3d>& T_C_L) {
   beam_ =
       BeamFootprint(lidar_config_, geometry_, T_C_L.value_or(opticalFromForward()), fusion_config_.disparity_sigma_px);
@@ -88,7 +88,7 @@ TrackedRange RangeTracker::update(double stamp_s, const cv::Mat& disparity_px) {
   return tracked;
 }
 
-/// What the LiDAR's readings are worth, and whether they contradict stereo.
+/// Judges the LiDAR's readings, and whether they contradict stereo.
 /// @param expected before stereo's reading entered.
 void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& stereo, const RangeEstimate& expected,
                          const cv::Mat& disparity_px, TrackedRange& tracked) {
@@ -107,8 +107,8 @@ void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& 
   tracked.lidar_is_nearer = too_close || contradicts || contradiction_s_ > 0.0;
 }
 
-/// By how much stereo's disparity misses the one that the LiDAR expects, beyond what a rig that can be put right and
-/// the match explain [px]: positive where stereo is farther. NaN: the LiDAR has no reading.
+/// By how much stereo's disparity misses the one that the LiDAR expects, beyond the errors of a correctable rig and of
+/// the match [px]: positive if stereo is farther. NaN: the LiDAR has no reading.
 double RangeTracker::beyondRig(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) const {
   if (std::isnan(lidarRange(stamp_s))) return kNaN;
   return beyondRig(geometry_.disparity(beam_.depth(expected.range_m)), stereo.disparity_px);
@@ -120,8 +120,8 @@ double RangeTracker::beyondRig(double expected_px, double disparity_px) const {
   return missing_px - std::clamp(missing_px, -largest_px, largest_px);
 }
 
-/// A contradiction holds until the two have agreed for as long: in a wood the beam meets now the one, now the other
-/// surface, and a rig that is wrong seems right now and then.
+/// A contradiction holds until the two have agreed for as long as it lasted: in a wood the beam alternates between
+/// surfaces, and a wrong rig seems right now and then.
 void RangeTracker::remember(double stamp_s, bool contradicts, bool agrees) {
   const double since_s = std::isnan(pair_stamp_s_) ? 0.0 : std::min(stamp_s - pair_stamp_s_, kRemembered_s);
   pair_stamp_s_ = stamp_s;
@@ -130,8 +130,8 @@ void RangeTracker::remember(double stamp_s, bool contradicts, bool agrees) {
   if (lidar_.isSilent(stamp_s, fusion_config_.max_gap_s)) contradiction_s_ = 0.0;
 }
 
-/// Whether the beam met an edge: stereo follows what is behind it, but shows it, too, and does not contradict the
-/// LiDAR.
+/// Whether the beam met an edge: stereo follows the surface behind it, but also shows the edge, and so does not
+/// contradict the LiDAR.
 bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
   const double expected_px = geometry_.disparity(beam_.depth(range_m));
   const std::vector<float>& matches_px = beam_.matchesBeside(matched_px, range_m, lidar_.beamWidth());
@@ -142,8 +142,8 @@ bool RangeTracker::isShownBeside(double range_m, const cv::Mat& matched_px) {
 }
 
 /// R of D_c: the constant part, and the error of its disparity d by match and footprint. What differs from the expected
-/// range Z' is compared with it in disparity: |Z - Z'| = Z Z'/(fB) |d - d'|. At its own depth alone, sigma_Z =
-/// Z^2/(fB) sigma_d, whatever is far too far would agree with everything.
+/// range Z' is compared with it in disparity: |Z - Z'| = Z Z'/(fB) |d - d'|. At its own depth alone, sigma_Z = Z^2/(fB)
+/// sigma_d, a range that is far too large would agree with everything.
 double RangeTracker::stereoVariance(const FootprintReading& stereo, const RangeEstimate& expected) const {
   const double depth_m = geometry_.depth(stereo.disparity_px), expected_m = beam_.depth(expected.range_m);
   const double sigma_px = std::hypot(fusion_config_.disparity_sigma_px, stereo.disparity_sigma_px);
@@ -151,8 +151,8 @@ double RangeTracker::stereoVariance(const FootprintReading& stereo, const RangeE
   return fusion_config_.stereo_variance_m2 + std::pow(geometry_.depthSigma(between_m, sigma_px), 2);
 }
 
-/// One sigma of the inverse range for what is unknown of the rig, the same in all readings: 1/Z = d/(fB) [1/m]. No more
-/// than what the correction can make good: a rig that is further off is in disagreement.
+/// One sigma of the inverse range from the rig's uncertainty, the same in all readings: 1/Z = d/(fB) [1/m]. At most the
+/// correctable error: a rig with a larger one is in disagreement.
 double RangeTracker::rigSigma(const FootprintReading& stereo) const {
   if (!scale_config_.enabled) return 0.0;
   const double d = stereo.disparity_px;
@@ -160,12 +160,12 @@ double RangeTracker::rigSigma(const FootprintReading& stereo) const {
   return sigma_px / geometry_.disparity(1.0);
 }
 
-/// The prediction that stereo has not entered yet is the reference; without a LiDAR in it there is nothing to learn,
-/// and one that repeats itself may be frozen: the scale would follow it away from the truth.
+/// The prediction without this pair's stereo is the reference. Without a LiDAR in it there is nothing to learn, and a
+/// LiDAR that repeats itself may be frozen: the scale would follow it away from the truth.
 void RangeTracker::learnScale(double stamp_s, const FootprintReading& stereo, const RangeEstimate& expected) {
   const bool has_reading = std::isfinite(lidarRange(stamp_s)) && !expected.lidar_repeats;
   if (!has_reading || !std::isfinite(expected.range_m)) return;
-  if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo speak of different surfaces
+  if (stereo.unity < kUnity) return;  // among leaves LiDAR and stereo measure different surfaces
   const double depth_m = beam_.depth(expected.range_m);
   const double expected_px = geometry_.disparity(depth_m);
   const double expected_sigma_px = expected_px * expected.sigma_m / depth_m;

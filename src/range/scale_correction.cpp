@@ -8,7 +8,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kNotSignificant = 1.0, kSignificant = 2.0;  // sigmas: what is learnt is applied not at all, in full
+constexpr double kNotSignificant = 1.0, kSignificant = 2.0;  // sigmas: the correction is applied not at all, in full
 constexpr double kMatchBias = 0.5;  // sigmas of a match, of all of one surface: more do not make it smaller
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace flight_corridor_ros {
 
 namespace {
 
-/// The keys of one file, or of one message; remembers what is wrong with them.
+/// The keys of one file, or of one message; collects their faults.
 class Keys {
  public:
   explicit Keys(const std::string& text) : yaml_(YAML::Load(text)), is_message_(yaml_.IsMap() && yaml_["K"]) {

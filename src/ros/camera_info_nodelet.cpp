@@ -9,7 +9,7 @@
 
 namespace flight_corridor_ros {
 
-/// camera_info for each image_raw, from the calibration file ~file: for cameras whose driver has none.
+/// camera_info for each image_raw, from the calibration file ~file: for cameras whose driver publishes none.
 class CameraInfoNodelet : public nodelet::Nodelet {
  private:
   void onInit() override try {

@@ -17,10 +17,10 @@ namespace flight_corridor_ros {
 
 namespace {
 
-constexpr double kSamePx = 0.01;             // what rounding in a calibration file may differ
+constexpr double kSamePx = 0.01;             // rounding in a calibration file
 constexpr double kLongestLifetime_s = 60.0;  // ros::Duration holds no infinity
 constexpr int kLeastBrightest = 4096;        // of 16 bits: a sixteenth, below which nothing could be matched
-constexpr double kUnitNorm = 0.01;           // what rounding in a quaternion typed by hand may differ
+constexpr double kUnitNorm = 0.01;           // rounding in a quaternion typed by hand
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
@@ -28,7 +28,7 @@ std::string differ(const char* name, double left, double right) {
          "): the pair is not rectified together;";
 }
 
-/// What a rectified pair's P holds beside fx, fy, cx, cy and the baseline.
+/// Entries of a rectified pair's P besides fx, fy, cx, cy and the baseline.
 std::string faultsOf(const char* side, const sensor_msgs::CameraInfo& info) {
   std::string faults;
   if (std::all_of(info.P.begin(), info.P.end(), [](double p) { return p == 0.0; })) {

@@ -38,7 +38,7 @@ void Diagnostics::update() {
   updater_.force_update();
 }
 
-/// Of what has come since the last time.
+/// Rates since the last time.
 void Diagnostics::takeStock() {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::WallTime now = ros::WallTime::now();
@@ -46,7 +46,7 @@ void Diagnostics::takeStock() {
   pairs_hz_ = static_cast<double>(pairs_ - std::exchange(described_pairs_, pairs_)) / elapsed_s;
   verdicts_hz_ = static_cast<double>(verdicts_ - std::exchange(described_verdicts_, verdicts_)) / elapsed_s;
   if (verdicts_hz_ > 0.0) return;
-  report_ = flight_corridor::Report();  // what was is no more
+  report_ = flight_corridor::Report();  // outdated
   report_.verdict.reasons = flight_corridor::kNoData;
   age_s_ = flight_corridor::kNaN;
 }
@@ -64,7 +64,7 @@ void Diagnostics::describeImages(Status& status) {
   status.add("pairs refused", refused_);
 }
 
-/// One that was never there is no fault.
+/// A LiDAR that was never there is not a fault.
 void Diagnostics::describeLidar(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint32_t reasons = report_.verdict.reasons;

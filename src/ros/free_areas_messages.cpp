@@ -57,7 +57,7 @@ void addTriangle(Marker& tiles, const Eigen::Vector3d& a, const Eigen::Vector3d&
   }
 }
 
-/// A direction's tile, and where something is known, the ray of its width that leads to it.
+/// A direction's tile and, if it is known, the ray of its width that leads to it.
 void addArea(Marker& tiles, const FreeArea& area, const Box& box_C, double step_rad) {
   const double length_m = box_C.size_m.x();
   const bool is_blocked = area.verdict.state == State::Blocked, is_known = area.verdict.state != State::Unknown;

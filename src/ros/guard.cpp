@@ -92,7 +92,7 @@ void Guard::command(const geometry_msgs::TwistStamped& command, const GuardTime&
   if (command.header.stamp.isZero()) command_.message.header.stamp = time.now;
 }
 
-/// By its stamp or by when it came, whichever is farther from now; +inf: none came.
+/// By its stamp or its arrival, whichever is farther from now; +inf: no message came.
 template <typename Message>
 double Guard::ageOf(const Latest<Message>& latest, const GuardTime& time) {
   if (!latest.has_come) return flight_corridor::kInfinity;
@@ -101,7 +101,7 @@ double Guard::ageOf(const Latest<Message>& latest, const GuardTime& time) {
   return std::abs(age_s) >= std::abs(arrived_ago_s) ? age_s : arrived_ago_s;
 }
 
-/// "": it may be relied upon.
+/// "": it is usable.
 template <typename Message>
 std::string Guard::faultOf(const Latest<Message>& latest, const char* topic, const GuardTime& time) const {
   const double age_s = ageOf(latest, time);

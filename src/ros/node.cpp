@@ -17,7 +17,7 @@ using flight_corridor::Report;
 constexpr double kWatchdogPeriod_s = 0.1;
 constexpr std::uint32_t kReadingQueue = 2000;  // readings while callbacks wait: 2 s at 1 kHz
 
-/// Of a clock that nobody sets.
+/// By a steady clock.
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
 std::string ageRemedy(double age_s) {
@@ -63,7 +63,7 @@ Node::~Node() {
   worker_.join();
 }
 
-/// What may change in flight, in the worker's thread.
+/// Applies the parameters that may change in flight, in the worker's thread.
 void Node::configure(const NodeConfig& config) {
   processor_.setCorridor(config.core.corridor);  // may refuse
   publishers_.setCorridor(config.core.corridor);
@@ -117,13 +117,13 @@ void Node::publish(const std_msgs::Header& header, const Report& report) {
                       ros::Time::now().toSec() - header.stamp.toSec());
 }
 
-/// What else the refusal of a pair, or its absence, means to those who listen.
+/// Publishes on the other topics that a pair was refused or is missing.
 void Node::publishRefusal(const std_msgs::Header& header, const Report& report) {
   publishers_.removeBox(header);
   directions_.publishRefusal(header, report.verdict.reasons);
 }
 
-/// Also stamps from the future are no fresh data: clocks that differ would hide how old it is.
+/// Stamps from the future are not fresh either: with differing clocks the age is unknown.
 bool Node::isFresh(const ros::Time& stamp) {
   const double age_s = ros::Time::now().toSec() - stamp.toSec();
   const double max_age_s = max_age_s_;

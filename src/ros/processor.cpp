@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
 
-constexpr double kUseless_s = 1.0;  // a LiDAR without a useful reading for so long is worth a word
+constexpr double kUseless_s = 1.0;  // a LiDAR without a useful reading for this long gets a warning
 
 /// Of an image or CameraInfo, for messages.
 template <typename Message>
@@ -149,7 +149,7 @@ void Processor::watchRefused(const char* sensor, const Inbox::Refused& refused, 
   known = refused.count;
 }
 
-/// Says that for a while no reading was a range, nor "nothing in range".
+/// Warns that for a while no reading was a range, nor "nothing in range".
 void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
   const auto& limits = config_.core.lidar;
   const bool is_useful = isRange(reading, limits) || reading.range_m == flight_corridor::kInfinity;
@@ -163,7 +163,7 @@ void Processor::watchLidar(const flight_corridor::RangeReading& reading) {
       limits.max_range_m);
 }
 
-/// Says why images that could be read are none to rely on.
+/// Logs why readable images are not usable.
 void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   const bool is_empty = left_->image.empty() || right.empty();  // readImage() has spoken
   if ((report_.verdict.reasons & flight_corridor::kBadImage) && !is_empty && image_warning_.due()) {
@@ -196,7 +196,7 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
   return T_W_C;
 }
 
-/// An empty image when the message is none: the pipeline answers BAD_IMAGE.
+/// An empty image if the message is unreadable: the pipeline answers BAD_IMAGE.
 cv_bridge::CvImageConstPtr Processor::readImage(const sensor_msgs::ImageConstPtr& message,
                                                 const sensor_msgs::CameraInfo& info) try {
   if (message->width != info.width || message->height != info.height) {

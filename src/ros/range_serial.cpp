@@ -13,12 +13,12 @@ namespace {
 
 namespace serial = flight_corridor::serial;
 
-constexpr double kStep_s = 0.05;        // so long a shutdown waits
+constexpr double kStep_s = 0.05;        // longest wait of a shutdown
 constexpr double kOpening_s = 0.5;      // between attempts
 constexpr double kBits = 10.0;          // of a byte: 8N1
 constexpr std::uint32_t kQueue = 1000;  // readings: 1 s at 1 kHz
 
-/// Of a clock that nobody sets.
+/// By a steady clock.
 double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
 /// Before /clock ticks there is no time.
@@ -127,7 +127,7 @@ void RangeSerial::warnOfSilence() {
            silenceCause().c_str());
 }
 
-/// What is seen, and the remedy.
+/// The observed cause, and the remedy.
 std::string RangeSerial::silenceCause() const {
   if (!trouble_.empty()) return trouble_ + ". Check the plug, the name in /dev, and that the user is in group dialout";
   const std::uint64_t bytes = parser_.counts().bytes - heard_bytes_;

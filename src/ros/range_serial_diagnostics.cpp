@@ -11,7 +11,7 @@ using diagnostic_msgs::DiagnosticStatus;
 using diagnostic_updater::DiagnosticStatusWrapper;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMostRefused = 0.1;  // share of the bytes: a spoilt frame now and then is no trouble
+constexpr double kMostRefused = 0.1;  // share of the bytes: a spoilt frame now and then is harmless
 
 }  // namespace
 
@@ -69,7 +69,7 @@ void RangeSerialDiagnostics::describe(DiagnosticStatusWrapper& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::WallTime now = ros::WallTime::now();
   summarise(status);
-  if (counts_.readings == described_counts_.readings) newest_ = {kNaN, kNaN, kNaN};  // what was is no more
+  if (counts_.readings == described_counts_.readings) newest_ = {kNaN, kNaN, kNaN};  // outdated
   status.add("port", port_);
   status.add("port state", trouble_.empty() ? "open" : trouble_);
   status.add("openings", openings_);

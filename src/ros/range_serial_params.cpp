@@ -31,7 +31,7 @@ std::string baudNames() {
   return names;
 }
 
-/// The protocol that the values name; without one the first, and what is broken.
+/// The protocol named by the values; without one the first, and the broken rules.
 serial::Protocol protocolIn(const Values& values, Violations& broken) {
   const auto found = values.find("protocol");
   if (found == values.end()) {
@@ -67,7 +67,7 @@ std::optional<char> parseByte(const std::string& word) {
 }
 
 /// Words that begin with 0x are bytes; any other text is sent as it is, its \r and \n as those characters.
-/// @return nullopt where a byte is none.
+/// @return nullopt if a word is not a byte.
 std::optional<std::string> parseWake(const std::string& text) {
   std::string bytes;
   if (text.compare(0, 2, "0x") == 0) {
@@ -88,7 +88,7 @@ std::optional<std::string> parseWake(const std::string& text) {
   return bytes;
 }
 
-/// Refuses NaN, too: each rule says what is accepted.
+/// Also refuses NaN: each rule states the accepted values.
 Violations check(const RangeSerialConfig& c) {
   Violations broken;
   const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {

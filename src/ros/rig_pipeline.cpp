@@ -18,7 +18,7 @@ using flight_corridor::Pipeline;
 using flight_corridor::StereoCalibration;
 using flight_corridor::StereoGeometry;
 
-/// Less than any match resolves: a calibration that is computed anew for each image jitters in its last bits.
+/// Less than any match resolves: a calibration that is recomputed for each image jitters in its last bits.
 constexpr double kSame_px = 1e-3, kSame_m = 1e-6;
 constexpr double kSameMounting = 1e-9;  // relative: rounding of tf
 constexpr double kNarrowest_px = 3.0;   // thin obstacles are seen at 4.4 px, and missed now and then at 2.2 px
@@ -137,7 +137,7 @@ void RigPipeline::mount(const std::string& range_frame, const Eigen::Isometry3d&
   T_C_L_ = T_C_L;
 }
 
-/// Where the corridor points at a pair's stamp, T_C_F.
+/// The corridor's frame at a pair's stamp, T_C_F.
 std::optional<Eigen::Isometry3d> RigPipeline::forward(const std_msgs::Header& camera) {
   auto T_C_F = frameOfCorridor(camera);
   if (!T_C_F || !config_.corridor.level) return T_C_F;
@@ -154,7 +154,7 @@ std::optional<Eigen::Isometry3d> RigPipeline::forward(const std_msgs::Header& ca
   return std::nullopt;
 }
 
-/// Its frame may turn against the camera.
+/// Its frame may turn relative to the camera.
 std::optional<Eigen::Isometry3d> RigPipeline::frameOfCorridor(const std_msgs::Header& camera) {
   const std::string& frame = config_.corridor.frame_id;
   if (frame.empty()) return flight_corridor::opticalFromForward();

@@ -18,7 +18,7 @@ using flight_corridor::LevelScan;
 constexpr double kNearest_m = 0.1;  // range_min: autopilots ignore what is nearer, so nothing is
 constexpr int kBins = 72;           // of MAVLink's OBSTACLE_DISTANCE
 constexpr double kBin_rad = 2.0 * M_PI / kBins;
-constexpr double kSliver_rad = 0.1 * kBin_rad;  // what a step shares with a bin by rounding
+constexpr double kSliver_rad = 0.1 * kBin_rad;  // overlap of a step with a bin by rounding
 constexpr double kBeyond_m = 0.015;  // above range_max: a centimetre, when mavros has rounded down to whole ones
 
 std::string scanFrame(const std_msgs::Header& camera) { return withoutSlash(camera.frame_id) + "_scan"; }
@@ -34,8 +34,8 @@ sensor_msgs::LaserScan scanWithin(const std_msgs::Header& camera, const std::str
   return message;
 }
 
-/// What is known of the directions up to half a bin beside a yaw, left of the heading: +inf where all are free, NaN
-/// where not all are known and none has an obstacle.
+/// The range of the directions up to half a bin beside a yaw, left of the heading: +inf if all are free, NaN if not all
+/// are known and none has an obstacle.
 double nearestAround(const LevelScan& scan, double yaw_rad) {
   double covered_rad = 0.0, nearest_m = kInfinity;
   bool is_known = true;

@@ -72,7 +72,7 @@ QueryCorridorResponse Services::queryCorridor(const QueryCorridorRequest& reques
   const flight_corridor::Box anywhere{Eigen::Isometry3d::Identity(), sizeOf(request)};
   flight_corridor::throwIfBroken(check(anywhere, processor_.cell()),
                                  "impossible box");           // also while there is no map
-  const Eigen::Isometry3d T_P_F = toPose(request.pose.pose);  // refuses what is none, also while there is no map
+  const Eigen::Isometry3d T_P_F = toPose(request.pose.pose);  // refuses an invalid pose, also while there is no map
   const ros::Time stamp = processor_.mapHeader().stamp;
   const auto* pipeline = processor_.pipeline();
   if (!pipeline || stamp.isZero())

@@ -34,7 +34,7 @@ Transforms::Transforms(const ros::NodeHandle& node) {
   spinner_->start();
 }
 
-/// Where the clock was set back, by more than clocks that are set alike differ, poses of the other time are of no use.
+/// If the clock was set back by more than synchronised clocks differ, poses of the other time are useless.
 void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
   const ros::Time now = ros::Time::now();
   if ((heard_ - now).toSec() > flight_corridor::kLongestDelay_s) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeastHeading = 0.17;  // sine of 10 degrees off the vertical
 constexpr double kNear_s = 0.1;         // at 1 rad/s an attitude of then is 6 degrees off
-constexpr double kUnitNorm = 0.01;      // what rounding in a quaternion may differ
+constexpr double kUnitNorm = 0.01;      // rounding in a quaternion
 
 }  // namespace
 

@@ -46,7 +46,7 @@ Value toValue(const YAML::Node& node) {
 
 Value toValue(XmlRpc::XmlRpcValue& node);
 
-/// Numbers of a list; monostate when it holds anything else.
+/// Numbers of a list; monostate if it holds anything else.
 Value toList(XmlRpc::XmlRpcValue& node) {
   std::vector<double> numbers;
   for (int i = 0; i < node.size(); ++i) {

@@ -29,7 +29,7 @@ std::uint8_t checksum(std::string_view text) {
                          [](std::uint8_t sum, char c) { return static_cast<std::uint8_t>(sum ^ c); });
 }
 
-/// What "R,<cm>,<strength>" holds.
+/// The content of "R,<cm>,<strength>".
 std::optional<Measurement> parseBody(std::string_view body) {
   if (body == "E") return Measurement();
   if (body.substr(0, 2) != "R,") return std::nullopt;

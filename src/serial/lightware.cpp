@@ -23,7 +23,7 @@ bool removePrefix(std::string_view& text, std::string_view prefix) {
   return true;
 }
 
-/// What names the value in an answer or a stream.
+/// The name of the value in an answer or a stream.
 void removeLabel(std::string_view& text) {
   if (removePrefix(text, "?LD ")) return;
   std::string_view rest = text;
@@ -46,7 +46,7 @@ std::optional<double> parseMetres(std::string_view text) {
   return std::stoi(std::string(whole) + std::string(decimals)) / 100.0;
 }
 
-/// What follows a minus: up to three digits, with or without decimals.
+/// The text after a minus: up to three digits, with or without decimals.
 std::optional<double> parseCode(std::string_view text) {
   const std::size_t point = std::min(text.find('.'), text.size());
   const std::string_view whole = text.substr(0, point), decimals = text.substr(std::min(point + 1, text.size()));

@@ -26,7 +26,7 @@ struct ClosedLoopOptions {
   double patience_s = 60.0;     ///< Then the flight is given up.
   QuadrotorLimits quadrotor;
   SpeedConfig speed;                          ///< Of the policy; its delay is the quadrotor's latency.
-  Eigen::Vector3d airframe_m{0.5, 0.5, 0.2};  ///< What must touch nothing: smaller than the corridor.
+  Eigen::Vector3d airframe_m{0.5, 0.5, 0.2};  ///< The body that must not touch anything: smaller than the corridor.
 };
 
 /// All that the UAV knows when a stereo pair has come.
@@ -53,7 +53,7 @@ struct Flown {
   double waited_s = 0.0;         ///< Slower than 0.2 m/s.
   int stops = 0;                 ///< From above 0.5 to below 0.1 m/s.
   double nearest_m = kInfinity;  ///< Of the airframe to anything, at last 0 in a collision.
-  std::optional<Primitive> hit;  ///< What was touched, where it was then.
+  std::optional<Primitive> hit;  ///< The primitive that was hit, at its place then.
   double hit_speed_mps = kNaN;   ///< Of the UAV.
   double out_of_view_s = kNaN;   ///< How long before the collision the place that was hit was last in the left camera's
                                  ///< view, hidden or not.
@@ -86,7 +86,7 @@ class ClosedLoop {
   Lidar lidar_;
   Imu imu_;
   Flown flown_;
-  std::vector<std::pair<double, Eigen::Isometry3d>> pairs_;  // when and where they were taken: time [s], T_W_B
+  std::vector<std::pair<double, Eigen::Isometry3d>> pairs_;  // time [s] and pose T_W_B of each pair
   bool is_moving_ = false;
 };
 

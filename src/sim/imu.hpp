@@ -7,7 +7,7 @@
 
 namespace flight_corridor::sim {
 
-/// What an ideal imu in B measures, with noise.
+/// The measurements of an ideal imu in B, with noise.
 struct ImuReading {
   double stamp_s = 0.0;
   Eigen::Vector3d specific_force_B_mps2 = Eigen::Vector3d::Zero();  ///< Acceleration less gravity's.
@@ -21,7 +21,7 @@ class Imu {
   explicit Imu(std::uint64_t seed)
       : force_noise_(seed, Stream::ImuNoise), attitude_noise_(seed, Stream::AttitudeNoise) {}
 
-  /// f = R_B_W (a - g) and what else it measures.
+  /// f = R_B_W (a - g) and its other measurements.
   /// @param R_W_B true attitude.
   ImuReading measure(double stamp_s, const Eigen::Matrix3d& R_W_B, const Eigen::Vector3d& acceleration_W_mps2,
                      const Eigen::Vector3d& angular_velocity_B_rad_s);

@@ -14,7 +14,7 @@ namespace flight_corridor::sim {
 
 /// A one-dimensional LiDAR: a narrow cone along +x of L.
 struct LidarModel {
-  double rate_hz = 100.0;  ///< 0: none is fitted.
+  double rate_hz = 100.0;  ///< 0: there is no LiDAR.
   double min_range_m = 0.2;
   double max_range_m = 100.0;
   double field_of_view_rad = 0.01;  ///< Full width of the cone.
@@ -23,7 +23,7 @@ struct LidarModel {
   double outlier_share = 0.005;     ///< Readings anywhere between nothing and 30 m.
 };
 
-/// What is broken for a while, as seen on LiDARs in the field.
+/// A temporary fault, as seen on LiDARs in the field.
 struct LidarFault {
   enum class Kind : std::uint8_t { None, Offset, Frozen, Zeros, Spikes, Bursts, DropOut, Silent, Slow, NotANumber };
 
@@ -52,7 +52,7 @@ class Lidar {
  private:
   double measure(double true_range_m);
   double withinLimits(double range_m) const;
-  /// What the driver says instead of a range, while the fault lasts.
+  /// The driver's value instead of a range, while the fault lasts.
   double corrupt(double range_m, double time_s);
 
   LidarModel model_;

@@ -8,11 +8,11 @@
 
 namespace flight_corridor::sim {
 
-/// What lights a world.
+/// The light of a world.
 struct Light {
   Eigen::Vector3d to_sun_W = Eigen::Vector3d(-0.5, 0.4, 0.75).normalized();
   float ambient = 0.55f;                   ///< Share of the light that comes from everywhere; the rest is the sun's.
-  double haze_m = kInfinity;               ///< After this way 63 % of what one sees is haze.
+  double haze_m = kInfinity;               ///< At this distance 63 % of the image's grey is haze.
   bool has_clouds = false;                 ///< false: a white sky.
   std::shared_ptr<const Shadows> shadows;  ///< Null: nothing throws a shadow.
 };

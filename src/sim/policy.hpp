@@ -8,24 +8,24 @@
 
 namespace flight_corridor::sim {
 
-/// What a rule makes of a stereo pair.
+/// A rule's result for a stereo pair.
 struct Way {
-  std::optional<Eigen::Vector3d> direction_W;  ///< Unit, the best way that is free; absent: none is.
+  std::optional<Eigen::Vector3d> direction_W;  ///< Unit vector of the best free way; absent: no way is free.
   double free_m = 0.0;                         ///< Along it.
   double free_ahead_m = 0.0;                   ///< Along the velocity.
 };
 
-/// What the UAV knows of itself when it decides.
+/// The UAV's own state when it decides.
 struct OwnState {
   Eigen::Isometry3d T_W_B = Eigen::Isometry3d::Identity();
   Eigen::Vector3d velocity_W_mps = Eigen::Vector3d::Zero();
 };
 
-/// Flies along the best free way at its safe speed, brakes where it moves to where nothing is known to be free, and
-/// turns on the spot while there is no way: at first towards the goal's side, then on in that sense.
+/// Flies along the best free way at its safe speed, brakes if it moves towards space that is not known to be free, and
+/// turns on the spot while there is no way: first towards the goal's side, then on in that sense.
 class Policy {
  public:
-  /// @param age_s of a way when it is acted upon, at most.
+  /// @param age_s largest age of a way when it is used.
   Policy(const SpeedConfig& speed, double age_s) : speed_(speed), age_s_(age_s) {}
 
   VelocityCommand decide(const OwnState& own, const Way& way, const Eigen::Vector3d& goal_W);

@@ -5,23 +5,23 @@
 
 namespace flight_corridor::sim {
 
-/// What a quadrotor under velocity control does at most. As SpeedConfig by default.
+/// Limits of a quadrotor under velocity control. Defaults as in SpeedConfig.
 struct QuadrotorLimits {
   double acceleration_mps2 = 3.0;
   double jerk_mps3 = 8.0;
   double yaw_rate_rad_s = 1.05;  ///< 60 degrees/s.
   double yaw_acceleration_rad_s2 = 4.0;
-  double latency_s = 0.1;  ///< From a command to where it is followed.
+  double latency_s = 0.1;  ///< From a command until it takes effect.
 };
 
-/// What an autopilot is asked for.
+/// A command to the autopilot.
 struct VelocityCommand {
   Eigen::Vector3d velocity_W_mps = Eigen::Vector3d::Zero();
   double yaw_rate_rad_s = 0.0;  ///< To the left.
 };
 
-/// A quadrotor without wind and drag: its thrust, along z of B, is what accelerates it. So it tilts, and the camera
-/// with it. W: z up. B: x forward, y left, z up.
+/// A quadrotor without wind and drag: its thrust, along z of B, accelerates it. So it tilts, and the camera with it. W:
+/// z up. B: x forward, y left, z up.
 class Quadrotor {
  public:
   Quadrotor(const QuadrotorLimits& limits, const Eigen::Vector3d& p_W, double heading_rad);

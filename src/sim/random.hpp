@@ -5,7 +5,7 @@
 
 namespace flight_corridor::sim {
 
-/// What a stream of random numbers is for: streams of one seed are independent, so that drawing more from one leaves
+/// The purpose of a stream of random numbers: streams of one seed are independent, so that drawing more from one leaves
 /// the others as they are.
 enum class Stream : std::uint64_t { Scene, LidarNoise, LidarFault, LeftImage, RightImage, ImuNoise, AttitudeNoise };
 

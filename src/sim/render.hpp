@@ -24,9 +24,9 @@ struct Rendering {
   cv::Mat depth_m;   ///< CV_32FC1, along z of C at the pixels' centres; NaN = sky.
 };
 
-/// Casts rays into the world: textured, Lambert-shaded surfaces before the sky, anti-aliased at outlines. A mirror
-/// adds what it reflects; its depth is its own.
-/// What the camera does not see (Material::camera_sees) is left out.
+/// Casts rays into the world: textured, Lambert-shaded surfaces before the sky, anti-aliased at outlines. A mirror adds
+/// what it reflects; its depth is its own. Primitives that the camera does not see (Material::camera_sees) are left
+/// out.
 Rendering render(const std::vector<Primitive>& primitives, const Camera& camera, const Light& light = {});
 
 }  // namespace flight_corridor::sim

@@ -16,13 +16,13 @@ struct SceneBuilder {
 
 std::vector<SceneBuilder> structureBuilders();  ///< Walls, gaps, ground: large obstacles.
 std::vector<SceneBuilder> thinBuilders();       ///< Poles, wires, nets, leaves.
-std::vector<SceneBuilder> surfaceBuilders();    ///< What one or both sensors cannot see.
+std::vector<SceneBuilder> surfaceBuilders();    ///< Surfaces that one or both sensors cannot see.
 std::vector<SceneBuilder> bareBuilders();       ///< Paint on which only the light changes.
 std::vector<SceneBuilder> seeingBuilders();     ///< Light, weather, the camera's motion.
 std::vector<SceneBuilder> rigBuilders();        ///< Calibrations that are wrong.
-std::vector<SceneBuilder> changeBuilders();     ///< What moves, appears and vanishes.
+std::vector<SceneBuilder> changeBuilders();     ///< Objects that move, appear and vanish.
 std::vector<SceneBuilder> placeBuilders();      ///< Forests and houses.
 std::vector<SceneBuilder> turnBuilders();       ///< Flights that turn.
-std::vector<SceneBuilder> shownBuilders();      ///< To be looked at, not scored.
+std::vector<SceneBuilder> shownBuilders();      ///< For display, not scored.
 
 }  // namespace flight_corridor::sim

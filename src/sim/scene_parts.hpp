@@ -3,8 +3,8 @@
 #include "sim/random.hpp"
 #include "sim/scenes.hpp"
 
-// What scenes are put together from. At most one argument of a call draws from Random: C++ leaves the order of
-// arguments open, a seed must not.
+// The parts of scenes. At most one argument of a call draws from Random: C++ leaves the order of arguments open, a seed
+// must not.
 
 namespace flight_corridor::sim {
 

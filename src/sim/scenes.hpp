@@ -26,9 +26,9 @@ struct Scene {
   Flight flight;
 };
 
-/// What a stereo pair can know of a family's corridor.
+/// What a stereo pair can see of a family's corridor.
 enum class Visibility : std::uint8_t {
-  Visible,    ///< What blocks the corridor, and what stands beyond it when nothing does.
+  Visible,    ///< Obstacles in the corridor, and the scene beyond a free one.
   Unseeable,  ///< Something is blank, black, glass, a mirror, sky or outshone: FREE is never a claim with evidence.
   TooNear,    ///< Nearer than stereo's blind range at last: no image shows it, a map that remembers holds it.
   Hidden      ///< Neither the camera nor the LiDAR can see that something is there.
@@ -49,7 +49,7 @@ std::vector<Family> sceneFamilies();
 /// Their names, in alphabetical order.
 std::vector<std::string> sceneNames();
 
-/// Scenes that are no family: to be looked at, not scored.
+/// Scenes outside the families: for display, not scored.
 std::vector<std::string> shownSceneNames();
 
 /// @param seed varies positions, speeds, textures and exposure.

@@ -8,7 +8,7 @@
 
 namespace flight_corridor::sim {
 
-/// Where a world that stands still lies in its own shadow: a depth image as the sun sees it (Williams 1978).
+/// The shadows of a static world: a depth image as seen from the sun (Williams 1978).
 class Shadows {
  public:
   /// @param region_W  outside of it nothing is in the shade.

@@ -30,14 +30,14 @@ struct SimulationOptions {
   Eigen::Vector3d corridor_m{4.0, 1.2, 0.4};  ///< Length, width and height of the box that truth() speaks of.
 };
 
-/// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed when asked for.
-/// The same options give the same bytes, in whatever order they are asked for.
+/// One recorded flight: stereo pairs, LiDAR and imu readings, poses and truth, computed on demand. The same options
+/// give the same bytes, in any order of calls.
 class Simulation {
  public:
-  /// @throws std::invalid_argument naming what is unknown or impossible, and what is known.
+  /// @throws std::invalid_argument naming unknown names or impossible values, and the known names.
   explicit Simulation(const SimulationOptions& options);
 
-  /// What the rig announces; the truth may differ.
+  /// The announced calibration; the truth may differ.
   const StereoCalibration& calibration() const { return scene_.rig.calibration; }
   Eigen::Isometry3d T_B_C() const { return scene_.rig.T_B_C; }
   Eigen::Isometry3d T_B_L() const { return scene_.rig.T_B_L; }

@@ -8,8 +8,7 @@
 
 namespace flight_corridor::sim {
 
-/// What the default rig sees of a world that stands still, its left lens above W's origin at the height of flight,
-/// looking along x.
+/// The default rig's view of a static world, its left lens above W's origin at the height of flight, looking along x.
 /// @param seed of the images' noise.
 StereoFrame stillPair(const std::vector<Primitive>& world, std::uint64_t seed);
 

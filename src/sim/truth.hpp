@@ -24,11 +24,12 @@ bool overlaps(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, con
 /// How far a box and a primitive are apart [m]; 0: they overlap. Exact to 1e-3 m.
 double gapBetween(const Eigen::Isometry3d& T_W_F, const Eigen::Vector3d& size_m, const Primitive& primitive);
 
-/// Distance along x of F to where a box that grows from F first meets a primitive; +inf when it never does [m].
+/// Distance along x of F at which a box that grows from F first meets a primitive; +inf if it never does [m].
 double clearDistance(const std::vector<Primitive>& primitives, const Eigen::Isometry3d& T_W_F,
                      const Eigen::Vector3d& size_m);
 
-/// Truth of one moment. @param corridor_m length, width, height of the exact box.
+/// Truth of one moment.
+/// @param corridor_m length, width, height of the exact box.
 CorridorTruth corridorTruth(const std::vector<Primitive>& primitives, const Eigen::Isometry3d& T_W_C,
                             const Eigen::Vector3d& corridor_m);
 

@@ -9,7 +9,7 @@
 
 namespace flight_corridor::sim {
 
-/// What the LiDAR gets back from a surface.
+/// The LiDAR's return from a surface.
 enum class LidarReturn : std::uint8_t { Surface, PassesThrough, Absorbed };
 
 /// How a surface looks.
@@ -26,7 +26,7 @@ struct Material {
   LidarReturn lidar_return = LidarReturn::Surface;
 };
 
-/// Foliage is a sphere full of leaves: rays pass between them, truth takes it for solid.
+/// Foliage is a sphere full of leaves: rays pass between them; for the truth it is solid.
 enum class Shape : std::uint8_t { Box, Cylinder, Sphere, Foliage };
 
 /// A convex solid, centred on its object frame O. A cylinder's axis is z of O.
@@ -49,7 +49,7 @@ Primitive makeCylinder(const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_
 Primitive makeSphere(const Eigen::Vector3d& centre_W, double radius_m, const Material& material);
 Primitive makeFoliage(const Eigen::Vector3d& centre_W, double radius_m, const Material& material);
 
-/// What exists at a moment, where it is then.
+/// The primitives that exist at a time, at their places then.
 std::vector<Primitive> visibleAt(const std::vector<Primitive>& world, double time_s);
 
 /// A primitive's surface as a ray met it, in O.

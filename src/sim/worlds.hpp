@@ -13,7 +13,7 @@ namespace flight_corridor::sim {
 struct World {
   Scene scene;                             ///< Its flight gives the start only.
   Eigen::Vector3d goal_W{24.0, 0.0, 1.5};  ///< 20 m and more away.
-  Eigen::AlignedBox2d ground_W{Eigen::Vector2d(-2.0, -9.0), Eigen::Vector2d(26.0, 9.0)};  ///< Where a way may lead.
+  Eigen::AlignedBox2d ground_W{Eigen::Vector2d(-2.0, -9.0), Eigen::Vector2d(26.0, 9.0)};  ///< Area of ways.
 };
 
 /// In alphabetical order.

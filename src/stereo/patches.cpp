@@ -57,8 +57,9 @@ int Patches::keep(cv::Mat& best_px, cv::Mat& repeated_px) {
   return std::accumulate(kept_.begin(), kept_.end(), 0);
 }
 
-/// Each run is its own patch so far. Its area is that of its pixels, each at its own distance. What is textureless has
-/// matches on its outline alone: a strip as wide as the outline counts as if it were as wide as the smallest obstacle.
+/// Each run is its own patch so far. Its area is that of its pixels, each at its own distance. A textureless obstacle
+/// has matches on its outline alone: a strip as wide as the outline counts as if it were as wide as the smallest
+/// obstacle.
 void Patches::findRuns(int v, const cv::Mat& best_px, const cv::Mat& repeated_px) {
   const Matches matches(v, best_px, repeated_px);
   const int width = geometry_.size().width;

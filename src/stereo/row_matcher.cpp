@@ -86,7 +86,7 @@ AlignedBytes zeros(std::size_t size) {
   return bytes;
 }
 
-/// What is beyond an image equals its last pixels.
+/// Beyond an image its last pixels are repeated.
 void pad(const GreyImage& image, int v, std::uint8_t* row) {
   const std::uint8_t* from = image.row(std::clamp(v, 0, image.height - 1));
   std::memset(row, from[0], kPad_px);

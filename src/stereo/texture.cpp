@@ -9,7 +9,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr int kAcross_px = 4, kAlong_px = 2;  // reach of the window, 9 x 5: the census's, and two rows more
-constexpr int kApart_px = 2;                  // pixels are compared so far to either side: blur is no wider
+constexpr int kApart_px = 2;                  // distance of the compared pixels to either side: blur is no wider
 constexpr int kWindow = (2 * kAcross_px + 1) * (2 * kAlong_px + 1);
 constexpr double kAboveNoise = 2.0;  // of the variance of noise alone, which is off by a fifth over such a window
 constexpr int kBlock_px = 16;
@@ -18,7 +18,7 @@ constexpr double kLeastNoise_grey = 0.7, kMostNoise_grey = 6.0;  // rounding; a 
 constexpr int kDark = 2, kBright = 250;                          // beyond these, noise is clipped
 
 /// RMS of second differences along the rows of a block, of which noise has six times its variance (after Immerkaer
-/// 1996); NaN where the block is clipped.
+/// 1996); NaN if the block is clipped.
 float spreadOf(const cv::Mat& grey, int u0, int v0) {
   int squares = 0, clipped = 0;
   for (int v = v0; v < v0 + kBlock_px; ++v) {

@@ -19,10 +19,10 @@ void openBag(const std::string& path, rosbag::Bag& bag);
 /// Type of each topic of which the bag holds messages.
 std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag);
 
-/// @throws std::runtime_error naming the bag and what it lacks, with the topics that are there.
+/// @throws std::runtime_error naming the bag and the missing topics, with the existing ones.
 [[noreturn]] void failMissing(const rosbag::Bag& bag, const std::string& what);
 
-/// @throws std::runtime_error naming the bag and what of it is damaged, with the remedy.
+/// @throws std::runtime_error naming the bag and its damage, with the remedy.
 [[noreturn]] void failDamaged(const std::string& path, const std::string& what);
 
 /// @throws std::runtime_error naming the bag and the topic when the message is damaged or of another type.

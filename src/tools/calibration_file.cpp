@@ -80,7 +80,7 @@ std::string readText(const std::string& path) {
   return text;
 }
 
-/// @return null when nothing is recognised.
+/// @return null if no kind is recognised.
 const Kind* recognise(const std::string& text) {
   std::string packed = "\n";
   std::copy_if(text.begin(), text.end(), std::back_inserter(packed),
@@ -96,7 +96,7 @@ const Kind* recognise(const std::string& text) {
 
 std::string withUnit(const Key& key) { return std::string(key.name) + " [" + key.unit + "]"; }
 
-/// The numbers of our own form, and what is wrong with them; "" when nothing is.
+/// The numbers of our own form, and their faults; "" without faults.
 struct OwnNumbers {
   std::map<std::string, double> numbers;
   std::string faults;
@@ -153,7 +153,7 @@ void requireNames(const StereoCameras& cameras, const PairNames& asked) {
   throw std::runtime_error("--calib-left and --calib-right name cameras of a Kalibr camchain: leave them out");
 }
 
-/// @throws std::exception naming what is impossible.
+/// @throws std::exception naming the impossible values.
 void check(const StereoCameras& cameras, const ImageFormat& images) {
   requireSize(cameras.left, images.size_px);
   requireSize(cameras.right, images.size_px);

@@ -94,7 +94,7 @@ class Lines {
   std::map<std::string, std::string> values_;
 };
 
-/// That the file is for images of this size, where it says so.
+/// Checks that the file is for images of this size, if it states one.
 void requireSize(const std::string& width, const std::string& height, const Numbers& size, const cv::Size& images) {
   if (size[0] == images.width && size[1] == images.height) return;
   std::ostringstream text;

@@ -6,7 +6,7 @@ namespace flight_corridor::tools {
 
 // Calibrations in plain text, one file for both cameras. All throw std::runtime_error naming key and fault.
 
-/// P0 to P3, or P_rect_00 to P_rect_03: of colour images the pair 2, 3 where it is there, else 0, 1. Rectified.
+/// P0 to P3, or P_rect_00 to P_rect_03: of colour images the pair 2, 3 if it exists, else 0, 1. Rectified.
 StereoCameras readKitti(const CalibrationTexts& texts, const ImageFormat& images);
 /// cam0, cam1, doffs [px] and baseline [mm]. Rectified.
 StereoCameras readMiddlebury(const CalibrationTexts& texts, const ImageFormat& images);

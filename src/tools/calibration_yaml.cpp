@@ -45,7 +45,7 @@ std::string yamlOf(const std::string& xml) try {
   fail("is not XML written by OpenCV: " + error.err);
 }
 
-/// OpenCV begins its files with "%YAML:1.0", which is no YAML.
+/// OpenCV begins its files with "%YAML:1.0", which is not YAML.
 std::string withoutVersion(std::string text) {
   if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
   return text;
@@ -146,7 +146,7 @@ std::vector<NamedCamera> namedCameras(const YAML::Node& yaml) {
   return cameras;
 }
 
-/// What `read` gives; its errors begin with the name.
+/// The result of `read`; its errors begin with the name.
 template <typename Read>
 auto naming(const std::string& name, const Read& read) {
   try {
@@ -171,7 +171,8 @@ void requireTwo(const CalibrationTexts& texts) {
   if (texts.size() != 2) fail("holds one camera: give both files, left and right");
 }
 
-/// One of several names for the same in OpenCV's files. @return "" when none is there.
+/// One of several names for the same in OpenCV's files.
+/// @return "" if none exists.
 std::string findKey(const YAML::Node& yaml, const std::vector<std::string>& names) {
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& name) { return bool(yaml[name]); });
   return found == names.end() ? "" : *found;

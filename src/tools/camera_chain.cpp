@@ -17,7 +17,7 @@ std::string folderOf(const std::string& topic) {
   return slash == std::string::npos ? "" : name.substr(0, slash);
 }
 
-/// The only camera whose topic has this in common with another; "" where none has, or several have.
+/// The only camera whose topic has this in common with another; "" if no camera has, or several have.
 std::string cameraOf(const std::vector<NamedCamera>& cameras, const std::string& topic) {
   for (const auto part : {plain, folderOf}) {
     const auto is_same = [&](const NamedCamera& camera) {

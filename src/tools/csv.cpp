@@ -49,13 +49,13 @@ std::vector<std::string> split(const std::string& line) {
   return cells;
 }
 
-/// What some spreadsheets write before a file's first character.
+/// Byte order mark that some spreadsheets write.
 std::string withoutByteOrderMark(const std::string& line) {
   const std::string mark = "\xEF\xBB\xBF";
   return line.compare(0, mark.size(), mark) == 0 ? line.substr(mark.size()) : line;
 }
 
-/// What Windows writes at the end of a line.
+/// Line ending of Windows.
 std::string withoutReturn(const std::string& line) { return line.substr(0, line.find('\r')); }
 
 std::string formatNumber(double value, int decimals) {

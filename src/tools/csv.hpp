@@ -14,8 +14,8 @@ std::string formatStamp(const ros::Time& stamp);
 /// @throws std::invalid_argument unless the text is a stamp that ros::Time holds; names the unit when it is another.
 ros::Time parseStamp(const std::string& text);
 
-/// A text table with a header line: the cells by column name, and errors that say where.
-/// Lines that begin with '#' are comments.
+/// A text table with a header line: the cells by column name, and errors with their place. Lines that begin with '#'
+/// are comments.
 class CsvTable {
  public:
   /// @throws std::runtime_error naming the file when it cannot be read, is empty, or a line has another number of
@@ -24,14 +24,14 @@ class CsvTable {
 
   std::size_t size() const { return rows_.size(); }
   bool has(const std::string& column) const;
-  /// @throws std::runtime_error naming file and column when there is no such column, with the header that is there.
+  /// @throws std::runtime_error naming file and column if there is no such column, with the actual header.
   const std::string& text(std::size_t row, const std::string& column) const;
-  /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value when it is none.
+  /// A number, inf or nan.  @throws std::runtime_error naming file, line, column and value if it is not a number.
   double number(std::size_t row, const std::string& column) const;
-  /// The whole column.  @throws std::runtime_error naming file, line and value when one is no stamp, or is not later
-  /// than the one before.
+  /// The whole column.  @throws std::runtime_error naming file, line and value if one is not a stamp, or not later than
+  /// the one before.
   std::vector<ros::Time> stamps(const std::string& column) const;
-  /// That there is no such column, with the header that is there, for errors.
+  /// Text for errors: that there is no such column, with the actual header.
   std::string missing(const std::string& column) const;
   [[noreturn]] void fail(std::size_t row, const std::string& column, const std::string& what) const;
 
@@ -46,7 +46,7 @@ class CsvTable {
   std::vector<std::size_t> lines_;  // line in the file of each row
 };
 
-/// One line of R.csv: what the pipeline answered for one stereo pair.
+/// One line of R.csv: the pipeline's answer for one stereo pair.
 struct ResultRow {
   ros::Time stamp;
   State state = State::Unknown;
@@ -54,7 +54,7 @@ struct ResultRow {
   double range_fused_m = kNaN, range_fused_sigma_m = kNaN, range_lidar_m = kNaN, range_stereo_m = kNaN;
   double scale = kNaN, unknown_fraction = kNaN;
   StageTimes times;
-  std::string reasons;  ///< describeReasons(); "" when none, or when the table is from before they were in it.
+  std::string reasons;  ///< describeReasons(); "" without any, or in older tables.
 };
 ResultRow resultRow(const ros::Time& stamp, const Report& report);
 
@@ -70,7 +70,7 @@ struct TruthRow {
 void writeResults(const std::string& path, const std::vector<ResultRow>& rows);
 void writeTruth(const std::string& path, const std::vector<TruthRow>& rows);
 
-/// @throws std::runtime_error naming file, line and column of what is wrong.
+/// @throws std::runtime_error naming file, line and column of the fault.
 std::vector<ResultRow> readResults(const std::string& path);
 std::vector<TruthRow> readTruth(const std::string& path);
 

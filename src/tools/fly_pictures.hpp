@@ -11,19 +11,18 @@
 
 namespace flight_corridor::tools {
 
-/// Draws a flight: what the camera saw with the directions that were judged, and the world from above with the way
-/// flown so far.
+/// Draws a flight: the camera's image with the judged directions, and the world from above with the way flown so far.
 class FlyPictures {
  public:
   /// @param video AVI (motion JPEG) of all pictures; "": none.
   FlyPictures(const sim::ClosedLoop& loop, const std::string& title, const std::string& video, double rate_hz);
 
-  /// @param areas null: a rule that has none.  @param T_W_F of the areas' directions.
+  /// @param areas null: a rule without areas.  @param T_W_F of the areas' directions.
   /// @throws std::runtime_error naming the video when it cannot be written.
   void add(const sim::Observation& observation, const sim::Way& way, const AreaGrid* areas,
            const Eigen::Isometry3d& T_W_F);
 
-  /// The last picture, with a line of what came of it.  @throws std::runtime_error naming the file.
+  /// The last picture, with a line about the outcome.  @throws std::runtime_error naming the file.
   void write(const std::string& path, const std::string& caption);
 
  private:

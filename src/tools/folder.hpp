@@ -36,16 +36,16 @@ struct FolderRecording {
   std::vector<Stamped<Eigen::Isometry3d>> poses_W_B;
 };
 
-/// What a folder does not hold.
+/// Data missing in a folder.
 struct FolderReading {
-  double rate_hz = 10.0;                            ///< Of the pairs where there are no stamps.
+  double rate_hz = 10.0;                            ///< Rate of the pairs if there are no stamps.
   std::vector<std::string> calibration_files = {};  ///< In place of the folder's own; see readCalibration.
-  ImageState images = ImageState::AsNamed;          ///< AsNamed: raw where the calibration says how to rectify.
+  ImageState images = ImageState::AsNamed;          ///< AsNamed: raw if the calibration can rectify.
   PairNames cameras = {};                           ///< In these files, where they name their cameras.
 };
 
 /// Stamps move by one second where the recording starts before 1 s, because ROS reads stamp 0 as "no time".
-/// @throws std::runtime_error naming the file and what is wrong with it; where it is a table, the line too.
+/// @throws std::runtime_error naming the file and its fault; in a table also the line.
 FolderRecording readFolder(const std::string& folder, const FolderReading& reading);
 
 /// @param on_pair called after each pair.

@@ -40,7 +40,7 @@ double nearest(const ros::Time& stamp, const std::vector<ros::Time>& sorted) {
   return nearest_s;
 }
 
-/// What one topic has for the left images.
+/// One topic's partners for the left images.
 struct Partners {
   std::size_t unstamped = 0;
   std::size_t found = 0;  ///< Left images of whose stamp there is a message.
@@ -61,7 +61,7 @@ Partners partnersOf(const std::vector<ros::Time>& left, const TopicStamps& other
   return partners;
 }
 
-/// @return "" when the topic lacks nothing.
+/// @return "" if the topic lacks nothing.
 std::string describe(const TopicStamps& heard, const Partners& partners, std::size_t left_images) {
   std::string text = heard.topic + ": " + std::to_string(heard.stamps.size()) + " messages, ";
   if (partners.unstamped > 0) return text + std::to_string(partners.unstamped) + " without a stamp (0)";

@@ -19,7 +19,7 @@ struct TopicStamps {
 /// Left image, its CameraInfo, right image, its CameraInfo.
 using PairStamps = std::array<TopicStamps, 4>;
 
-/// Why left images found no partners: how many did, what each topic lacks, and the remedy that can help.
+/// Why left images found no partners: how many did, the faults of each topic, and a remedy.
 /// @param pairs number of left images that found theirs.
 /// @return "" when all did.
 std::string describeLostPairs(std::size_t pairs, const PairStamps& heard,

@@ -8,7 +8,7 @@
 namespace flight_corridor::tools {
 
 /// A bag that is there once it is finished: until then it is called PATH.unfinished (PATH.active is a recorder's), and
-/// what was at PATH stays. One that ends unfinished leaves nothing.
+/// an existing file at PATH is kept. An unfinished bag leaves no file.
 class NewBag {
  public:
   /// @throws std::runtime_error naming the file when it cannot be written, as the others.

@@ -16,11 +16,11 @@ enum class ImageState { AsNamed, Raw, Rectified };
 /// ones and no part of the topic's name begins with "rect" (image_rect, image_rect_color, image_rectified).
 bool areRaw(ImageState declared, const std::string& topic, const StereoCameras& cameras);
 
-/// Rectifies raw pairs as messages, anew for each change of their calibration.
+/// Rectifies raw pairs as messages, following changes of their calibration.
 class PairRectifier {
  public:
-  /// Images become mono8, or bgr8 where they have colour of 8 bit. What cannot be rectified is an empty image, and a
-  /// warning says why.
+  /// Images become mono8, or bgr8 where they have colour of 8 bit. If an image cannot be rectified, the result is
+  /// empty, and a warning says why.
   flight_corridor_ros::StereoMessages rectify(const flight_corridor_ros::StereoMessages& raw);
 
  private:

@@ -35,7 +35,7 @@ void writeImage(const fs::path& path, const cv::Mat& image) {
   if (!cv::imwrite(path.string(), image)) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-/// NaN, and what 16 bits do not hold, become 0.
+/// NaN, and values beyond 16 bits, become 0.
 void toMillimetres(const cv::Mat& depth_m, cv::Mat& depth_mm) {
   depth_mm.create(depth_m.size(), CV_16UC1);
   for (int v = 0; v < depth_m.rows; ++v) {

@@ -10,7 +10,7 @@
 
 namespace flight_corridor::tools {
 
-/// What to draw of each processed frame; "" = not.
+/// Outputs for each processed frame; "" = none.
 struct PictureOptions {
   std::string overlay_folder;  ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth (white: texture
                                ///< that lacks a match), filled depth, map.
@@ -43,7 +43,7 @@ class Pictures {
 
   PictureOptions options_;
   std::optional<State> last_state_;
-  std::vector<State> verdicts_;  // for the video: of every frame, Unknown where there was none
+  std::vector<State> verdicts_;  // for the video: of every frame, Unknown without a verdict
   cv::VideoWriter video_;
   cv::Mat overlay_, matched_, depth_, map_, line_, depth_mm_, panels_;
 };

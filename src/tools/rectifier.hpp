@@ -13,7 +13,7 @@ class Rectifier {
   /// @throws std::invalid_argument as requireRectifiable.
   explicit Rectifier(const StereoCameras& cameras);
 
-  /// @param raw of the cameras' size, any type that cv::remap takes.
+  /// @param raw of the cameras' size, any type that cv::remap accepts.
   /// @return the rectified image; black where the raw image does not reach.
   /// @throws std::invalid_argument naming the size when it is another.
   cv::Mat left(const cv::Mat& raw) const { return remap(raw, left_); }

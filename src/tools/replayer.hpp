@@ -18,7 +18,7 @@ class App;
 namespace flight_corridor::tools {
 
 /// The node's configuration from a YAML file ("": the defaults) and overrides "key=value".
-/// @throws std::invalid_argument naming what is wrong with the file or its keys.
+/// @throws std::invalid_argument naming the faults of the file or its keys.
 flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const std::vector<std::string>& overrides);
 
 /// What is read: a bag, as what, with which configuration.
@@ -32,11 +32,11 @@ struct ReplayInput {
 /// Adds the options that fill it: --bag, --config, --set, the topics, and what a bag does not hold.
 void addOptions(CLI::App& app, ReplayInput& input);
 
-/// What became of one pair.
+/// The result of one pair.
 struct Answer {
   const RecordedPair& messages;
   const Report& report;
-  Pipeline* pipeline;  ///< Holds the pair's products; null when the pair was refused and has none.
+  Pipeline* pipeline;  ///< The pipeline with the pair's products; null if the pair was refused.
 };
 
 /// The node's pipeline on a bag, without a master and without a clock: the same bag gives the same answers.
@@ -44,12 +44,12 @@ class Replayer {
  public:
   Replayer(const StereoBagReader& bag, const flight_corridor_ros::NodeConfig& config);
 
-  /// Processes the whole bag, in the order of recording. The time at which a message was recorded stands for the
-  /// node's clock: what is too old for the node by then is refused, and a pose that comes too late is missing.
-  /// @return the stamps of what was there to make pairs of.
+  /// Processes the whole bag, in the order of recording. The time of recording acts as the node's clock: a pair that is
+  /// too old by then is refused, and a pose that comes too late is missing.
+  /// @return the stamps of all messages that could form pairs.
   PairStamps run(const std::function<void(const Answer& answer)>& on_answer);
 
-  /// What the newest pair left of the map; empty when none entered it.
+  /// The map after the newest pair; empty if no pair entered it.
   const octomap::OcTree& map() { return processor_.map(); }
 
  private:

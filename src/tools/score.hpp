@@ -15,7 +15,7 @@ struct Reaction {
   int delay_frames = 0;   ///< Wrong or unknown verdicts before the right one.
 };
 
-/// Verdicts of one or many recordings held against truth.
+/// Verdicts of one or many recordings compared with truth.
 struct Score {
   int recordings_blocked = 0, recordings_false_free = 0;  ///< With truly blocked frames; with one called FREE.
   int blocked = 0, free = 0, borderline = 0;              ///< Frames by truth.
@@ -24,7 +24,7 @@ struct Score {
   int false_free = 0, false_block = 0;  ///< Said FREE of blocked, said BLOCKED of free.
   int unknown_of_blocked = 0, unknown_of_free = 0;
   std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
-  std::vector<double> frame_times_ms;     ///< What each answer cost.
+  std::vector<double> frame_times_ms;     ///< Time of each answer.
   std::vector<Reaction> reactions;
 };
 
@@ -38,7 +38,7 @@ std::string falseFreeComplaint(const Score& score);
 /// How the verdict followed all changes of truth to one state.
 struct ReactionSummary {
   int changes = 0, missed = 0;               ///< Missed: the verdict never followed; not in the numbers below.
-  double median_s = kNaN, longest_s = kNaN;  ///< NaN: none was followed.
+  double median_s = kNaN, longest_s = kNaN;  ///< NaN: no obstacle was followed.
   int longest_frames = 0;                    ///< Most frames that one took.
 };
 ReactionSummary summarise(const std::vector<Reaction>& reactions, State truth);
@@ -58,7 +58,7 @@ struct SampleStatistics {
 };
 SampleStatistics statistics(const std::vector<double>& samples_m);
 
-/// Value below which the given share of the values lies, linear between values; NaN when there are none.
+/// Value below which the given share of the values lies, linear between values; NaN without values.
 double quantile(std::vector<double> values, double share);
 
 }  // namespace flight_corridor::tools

@@ -80,7 +80,7 @@ sensor_msgs::ImagePtr readAnyImage(const rosbag::Bag& bag, const rosbag::Message
                                            : read<Image>(bag, message);
 }
 
-/// @throws std::runtime_error when the topic holds none.
+/// @throws std::runtime_error if the topic holds none.
 rosbag::MessageInstance first(const rosbag::Bag& bag, const std::string& topic) {
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   if (view.size() == 0) failMissing(bag, "no message of topic " + topic);
@@ -126,7 +126,7 @@ class StereoBagReader::PairBuilder {
     if (topic == heard_[3].topic) add(read<CameraInfo>(bag_, message), heard_[3], right_info_);
   }
 
-  /// Of what came so far. What a file holds is never missing.
+  /// Of the messages so far. Data given in a file is never missing.
   PairStamps heard() const {
     PairStamps heard = heard_;
     if (rectification_.cameras) heard[1].stamps = heard[3].stamps = heard_[0].stamps;
@@ -288,7 +288,7 @@ void StereoBagReader::readTransforms() {
                    [](const auto& a, const auto& b) { return a.recorded < b.recorded; });
 }
 
-/// In the order of recording, or of the stamps; what has no stamp stays behind what it was recorded behind.
+/// In the order of recording, or of the stamps; a message without a stamp stays behind its predecessor.
 void StereoBagReader::forEach(const std::vector<std::string>& topics, const OnMessage& on_message) const {
   rosbag::View view(bag_, rosbag::TopicQuery(topics));
   if (!reading_.by_stamps) {

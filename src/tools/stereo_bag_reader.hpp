@@ -30,13 +30,13 @@ struct RecordedPair : StereoMessages {
   ros::Time recorded;
 };
 
-/// What a bag does not hold.
+/// Data missing in a bag.
 struct BagReading {
   std::vector<std::string> calibration_files = {};  ///< In place of CameraInfos; see readCalibration.
   ImageState images = ImageState::AsNamed;
   std::optional<Eigen::Isometry3d> T_F_L = {};  ///< LiDAR in frame F at the left camera: x forward, y left, z up.
   PairNames cameras = {};                       ///< In these files, where they name their cameras.
-  bool by_stamps = false;  ///< The stamps stand for the times of recording, which a conversion may have lost.
+  bool by_stamps = false;  ///< Use the stamps as times of recording, which a conversion may have lost.
 };
 
 /// Reads a bag as the node would hear it. Raw images are rectified.
@@ -46,7 +46,7 @@ class StereoBagReader {
   /// its own name or with "/compressed" behind it.
   /// @param topics those that are empty are found by type and name, see findTopics.
   /// @throws std::runtime_error naming the file when it is damaged, and the topic that is not in it or has another
-  /// type, with what is there; and a calibration by which raw images cannot be rectified.
+  /// type, with the existing topics; and a calibration that cannot rectify raw images.
   StereoBagReader(const std::string& path, const StereoTopics& topics, const BagReading& reading = {});
 
   /// Two lines: which topics are read, and whether their images are rectified here; the calibration.
@@ -58,9 +58,9 @@ class StereoBagReader {
   double rate() const;
   /// Whether there are ranges in the bag: they may be missing.
   bool hasRanges() const;
-  /// @throws std::runtime_error like the constructor when there are none.
+  /// @throws std::runtime_error like the constructor if there are none.
   void requireRanges() const;
-  /// @throws std::runtime_error like the constructor when there is none: it may be missing.
+  /// @throws std::runtime_error like the constructor if there is none: it is optional.
   void requireImu() const;
 
   struct Listener {
@@ -74,7 +74,7 @@ class StereoBagReader {
   /// for which the node waits for them. An image that cannot be decoded is empty, and a warning says so.
   /// @param config approximate_sync, sync_slop_s and sync_queue: how the messages of a pair find each other;
   /// tf_timeout_s.
-  /// @return the stamps of what was there to make pairs of.
+  /// @return the stamps of all messages that could form pairs.
   /// @throws std::runtime_error naming file and topic of a message that is damaged or of another type.
   PairStamps play(const flight_corridor_ros::RosConfig& config, const Listener& listener) const;
 
@@ -90,7 +90,7 @@ class StereoBagReader {
   struct Rectification {
     std::optional<StereoCameras> cameras;  ///< Those of a file; else the bag's CameraInfos.
     bool is_raw = false;
-    std::string frame;  ///< Of images that name none.
+    std::string frame;  ///< For images without one.
   };
   template <typename Policy>
   class PairBuilder;

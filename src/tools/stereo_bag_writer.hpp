@@ -22,7 +22,7 @@ struct BagRig {
   Eigen::Isometry3d T_B_L = Eigen::Isometry3d::Identity();
 };
 
-/// What an imu in base_link knows besides its specific force.
+/// Measurements of an imu in base_link besides the specific force.
 struct Attitude {
   Eigen::Quaterniond R_W_B = Eigen::Quaterniond::Identity();
   Eigen::Vector3d angular_velocity_B_rad_s = Eigen::Vector3d::Zero();
@@ -40,7 +40,7 @@ class StereoBagWriter {
   void writePair(const ros::Time& stamp, const cv::Mat& left, const cv::Mat& right);
   void writeRange(const ros::Time& stamp, const RangeReading& reading);
   /// @param specific_force_B_mps2 acceleration less gravity's, in base_link: (0, 0, 9.8) at rest.
-  /// @param attitude absent: the message says that it holds none.
+  /// @param attitude absent: marked as missing in the message.
   void writeImu(const ros::Time& stamp, const Eigen::Vector3d& specific_force_B_mps2,
                 const std::optional<Attitude>& attitude = std::nullopt);
   void close() { bag_.finish(); }

@@ -17,12 +17,12 @@ struct PairNames {
   std::string left, right;
 };
 
-/// The two cameras of a pair, as ROS describes them: K and D say how a raw image sees, R and P how the rectified image
-/// that is made of it does.
+/// The two cameras of a pair, as ROS describes them: K and D describe the raw image, R and P the rectified image made
+/// from it.
 struct StereoCameras {
   sensor_msgs::CameraInfo left, right;
   bool is_rectification_computed =
-      false;             ///< R and P were computed here: of images rectified elsewhere they say nothing.
+      false;             ///< R and P were computed here: they do not apply to images rectified elsewhere.
   PairNames names = {};  ///< In a file that names its cameras.
 };
 
@@ -43,8 +43,8 @@ StereoCameras rectified(StereoCameras cameras);
 /// (OpenCV's stereoRectify, alpha = 0).
 /// @param cameras sizes, K and D.
 /// @param T_right_left pose of the left camera in the right one, [m].
-/// @throws std::invalid_argument naming what is impossible: lenses of different models, cameras in one place, a focal
-/// length that no lens has.
+/// @throws std::invalid_argument naming the impossible values: lenses of different models, cameras in one place, a
+/// focal length that no lens has.
 StereoCameras align(StereoCameras cameras, const Eigen::Isometry3d& T_right_left);
 
 /// One line for people: focal length and baseline; of raw images, and of cameras with names, the lens models, with a
@@ -60,7 +60,7 @@ void requireRectifiable(const StereoCameras& cameras);
 /// K.
 bool isEquidistant(const sensor_msgs::CameraInfo& camera);
 
-/// D as OpenCV takes it: drivers that always send five leave 0 behind the four of an equidistant lens.
+/// D as OpenCV expects it: drivers that always send five values append 0 to the four of an equidistant lens.
 std::vector<double> lensCoefficients(const sensor_msgs::CameraInfo& camera);
 
 }  // namespace flight_corridor::tools

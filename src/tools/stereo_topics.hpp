@@ -4,7 +4,7 @@
 
 namespace flight_corridor::tools {
 
-/// Where a bag holds the rig's data. What is empty is to be found, see topic_finder.
+/// Topics of the rig's data in a bag. Empty ones are searched, see topic_finder.
 struct StereoTopics {
   std::string left = "/stereo/left/image_rect";
   std::string left_info = "/stereo/left/camera_info";

@@ -49,7 +49,7 @@ bool holdsDepth(const rosbag::Bag& bag, const std::string& topic) {
   return encoding == sensor_msgs::image_encodings::TYPE_16UC1 || encoding == sensor_msgs::image_encodings::TYPE_32FC1;
 }
 
-/// Names of image topics, without what names their compression.
+/// Names of image topics, without that of their compression.
 std::set<std::string> imageTopics(const rosbag::Bag& bag, const Types& types) {
   std::set<std::string> images;
   for (const auto& [topic, type] : types) {
@@ -99,7 +99,7 @@ int rank(const Pair& pair) {
   return contains(pair.first, "raw") && !is_colour ? 2 : 3;
 }
 
-/// @param left, right what is named; empty: any.
+/// @param left, right the named topics; empty: any.
 std::vector<Pair> findPairs(const std::set<std::string>& images, const std::string& left, const std::string& right) {
   std::set<Pair> pairs;
   int best = kWorst;
@@ -166,7 +166,7 @@ std::vector<std::string> topicsOfType(const Types& types, const std::string& typ
 }
 
 /// A topic that may be missing.
-/// @return the usual one, or the only one of its type; the usual name where there is none, "" where there are several.
+/// @return the usual one, or the only one of its type; the usual name if there is none, "" if there are several.
 std::string findOne(const Types& types, const std::string& type, const std::string& usual) {
   const std::vector<std::string> found = topicsOfType(types, type);
   if (found.empty() || std::count(found.begin(), found.end(), usual) > 0) return usual;

@@ -20,7 +20,7 @@ std::string withoutCompression(const std::string& topic);
 /// type 16UC1 or 32FC1, and, where there are others, those that are called depth or disparity. An imu is left empty
 /// where there are several, a Range that is called "none" too.
 /// @param needs_info whether CameraInfos are needed.
-/// @throws std::runtime_error naming the bag, the candidates where there are several, and the options that name them.
+/// @throws std::runtime_error naming the bag, the candidates if there are several, and the options to name one.
 StereoTopics findTopics(const rosbag::Bag& bag, StereoTopics topics, bool needs_info);
 
 /// A bag's topics with type, count and rate, a line each.
