@@ -23,9 +23,8 @@ using AlignedBytes = std::unique_ptr<std::uint8_t[], AlignedDelete>;
 constexpr int kPad_px = 16;          // before and behind a row: windows and vectors of words reach no farther
 constexpr int kVectorSlack_px = 64;  // behind all that vectors read or write
 
-constexpr int kBlock_px =
-    64;  // pixels after whose paths their minima and windows are evaluated: all data stays in the cache
-constexpr int kColumns = 8;  // of a moving window, kept: its own and one more; a power of two
+constexpr int kBlock_px = 64;  // pixels per block of paths, minima and windows: its data stays in the cache
+constexpr int kColumns = 8;    // of a moving window, kept: its own and one more; a power of two
 
 constexpr int kLargestWindow = (2 * kWindowReach_px + 1) * (3 * kCensusBits / 2);
 static_assert(kLargestWindow + std::max(kBarrier, kClearlyWorse) <= 255, "8 bits");
