@@ -56,27 +56,27 @@ TEST(RangeSerialParams, ValuesReplaceDefaults) {
   EXPECT_EQ(config.limits.max_range_m, 50.0);
   EXPECT_EQ(config.request_hz, 20.0);
   EXPECT_EQ(config.silence_s, 1.5);
-  EXPECT_EQ(config.unit_m, 1.0);
+  EXPECT_EQ(config.unit, "m");
   EXPECT_EQ(config.wake, "www");
 }
 
 TEST(RangeSerialParams, TheUnitIsOneThatTheProtocolsSensorsHave) {
-  const auto metresOf = [](const char* protocol, const char* unit) {
-    return makeRangeSerialConfig({{"protocol", std::string(protocol)}, {"unit", std::string(unit)}}).unit_m;
+  const auto unitOf = [](const char* protocol, const char* unit) {
+    return makeRangeSerialConfig({{"protocol", std::string(protocol)}, {"unit", std::string(unit)}}).unit;
   };
-  EXPECT_EQ(metresOf("tfmini", "cm"), 0.01);
-  EXPECT_EQ(metresOf("tfmini", "mm"), 0.001);
-  EXPECT_EQ(metresOf("lightware", "m"), 1.0);
-  EXPECT_EQ(metresOf("lidar_lite", "cm"), 0.01);
-  EXPECT_EQ(makeRangeSerialConfig({{"protocol", std::string("tfmini")}}).unit_m, 0.01);
+  EXPECT_EQ(unitOf("tfmini", "cm"), "cm");
+  EXPECT_EQ(unitOf("tfmini", "mm"), "mm");
+  EXPECT_EQ(unitOf("lightware", "m"), "m");
+  EXPECT_EQ(unitOf("lidar_lite", "cm"), "cm");
+  EXPECT_EQ(makeRangeSerialConfig({{"protocol", std::string("tfmini")}}).unit, "cm");
   for (const char* unit : {"", "m", "MM", "inch", "0.001"}) {
     const std::string complaint = complaintAboutSensor({{"unit", std::string(unit)}});
     EXPECT_TRUE(contains(complaint, "unit: cm or mm, as protocol tfmini has it (\"" + std::string(unit) + "\")"))
         << complaint;
   }
   EXPECT_TRUE(contains(complaintAboutSensor({{"unit", 0.001}}), "unit: expects a text (0.001)"));
-  EXPECT_THROW(metresOf("lightware", "mm"), std::invalid_argument);
-  EXPECT_THROW(metresOf("lidar_lite", "mm"), std::invalid_argument);
+  EXPECT_THROW(unitOf("lightware", "mm"), std::invalid_argument);
+  EXPECT_THROW(unitOf("lidar_lite", "mm"), std::invalid_argument);
 }
 
 TEST(RangeSerialParams, ASensorIsWokenByBytesOrByAText) {

@@ -25,7 +25,7 @@ RangeLimits limitsOf(Protocol protocol) {
 
 /// A parser, and what came out of it.
 struct Wire {
-  explicit Wire(Protocol protocol) : parser(protocol, limitsOf(protocol), kByte_s, unitsOf(protocol).front().metres) {}
+  explicit Wire(Protocol protocol) : parser(protocol, limitsOf(protocol), kByte_s) {}
 
   void send(const std::string& bytes, double read_s = 0.0) {
     parser.feed(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), read_s, readings);

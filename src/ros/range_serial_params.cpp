@@ -46,16 +46,8 @@ serial::Protocol protocolIn(const Values& values, Violations& broken) {
 
 std::string unitNames(serial::Protocol protocol) {
   std::string names;
-  for (const serial::Unit& unit : unitsOf(protocol)) names += (names.empty() ? "" : " or ") + std::string(unit.name);
+  for (const std::string& unit : unitsOf(protocol)) names += (names.empty() ? "" : " or ") + unit;
   return names + ", as protocol " + toString(protocol) + " has it";
-}
-
-/// In metres; 0 for a unit in which the protocol's sensors do not speak.
-double metresOf(serial::Protocol protocol, const std::string& name) {
-  for (const serial::Unit& unit : unitsOf(protocol)) {
-    if (name == unit.name) return unit.metres;
-  }
-  return 0.0;
 }
 
 /// One byte as 0x5A.
@@ -95,6 +87,7 @@ Violations check(const RangeSerialConfig& c) {
     if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
   };
   const auto& rates = serial::baudRates();
+  const auto units = unitsOf(c.protocol);
   require(!c.port.empty(), "port", "a device, e.g. /dev/ttyUSB0", c.port);
   require(std::find(rates.begin(), rates.end(), c.baud) != rates.end(), "baud", baudNames(), c.baud);
   require(!c.frame_id.empty() && c.frame_id.front() != '/', "frame_id", "a frame's name without a leading slash",
@@ -108,7 +101,7 @@ Violations check(const RangeSerialConfig& c) {
           c.limits.strength_min);
   require(hasStrength(c.protocol) || c.limits.strength_min == 0.0, "strength_min",
           "0: protocol " + std::string(toString(c.protocol)) + " reports no strength", c.limits.strength_min);
-  require(c.unit_m > 0.0, "unit", unitNames(c.protocol), c.unit);
+  require(std::count(units.begin(), units.end(), c.unit) > 0, "unit", unitNames(c.protocol), c.unit);
   require(parseWake(c.wake).has_value(), "wake", "bytes, each from 0x00 to 0xFF, or a text", c.wake);
   require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
   require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
@@ -126,7 +119,7 @@ RangeSerialConfig makeRangeSerialConfig(const Values& values) {
   const serial::SensorDefaults defaults = defaultsOf(config.protocol);
   config.field_of_view_rad = defaults.field_of_view_rad;
   config.limits = {defaults.min_range_m, defaults.max_range_m, defaults.strength_min};
-  config.unit = unitsOf(config.protocol).front().name;
+  config.unit = unitsOf(config.protocol).front();
   Values others = values;
   others.erase("protocol");
   const Fields fields{{"port", &config.port},
@@ -141,7 +134,6 @@ RangeSerialConfig makeRangeSerialConfig(const Values& values) {
                       {"request_hz", &config.request_hz},
                       {"silence_s", &config.silence_s}};
   const Violations unassigned = assign(others, fields);
-  config.unit_m = metresOf(config.protocol, config.unit);
   for (const Violations& part : {unassigned, check(config)}) broken.insert(broken.end(), part.begin(), part.end());
   flight_corridor::throwIfBroken(broken);
   config.wake = parseWake(config.wake).value();

@@ -16,9 +16,8 @@ struct RangeSerialConfig {
   std::string frame_id = "range_link";            ///< x along the beam.
   double field_of_view_rad = 0.0;                 ///< Full width of the beam; the sensor's.
   flight_corridor::serial::RangeLimits limits{};  ///< `min_range_m`, `max_range_m`, `strength_min`; the sensor's.
-  std::string unit;   ///< Of the distances that the sensor sends; one of serial::unitsOf, by default the first.
-  double unit_m = 0;  ///< The same in metres.
-  std::string wake;   ///< Sent when the port opens, to start the sensor: bytes as "0x5A 0x04", or a text with \r, \n.
+  std::string unit;  ///< Of the distances that the sensor sends; one of serial::unitsOf, by default the first.
+  std::string wake;  ///< Sent when the port opens, to start the sensor: bytes as "0x5A 0x04", or a text with \r, \n.
   double request_hz = 0.0;  ///< How often a sensor is polled; 0: it sends by itself.
   double silence_s = 3.0;   ///< A warning comes after this long without a reading, or without a range in one.
 };

@@ -36,16 +36,16 @@ SensorDefaults defaultsOf(Protocol protocol) {
   return {0.008, 0.05, 40.0, 0.0};
 }
 
-std::vector<Unit> unitsOf(Protocol protocol) {
+std::vector<std::string> unitsOf(Protocol protocol) {
   switch (protocol) {
     case Protocol::Lightware:
-      return {{"m", 1.0}};
+      return {"m"};
     case Protocol::Tfmini:  // TFmini Plus, TF-Luna: output format 1, 6
-      return {{"cm", 0.01}, {"mm", 0.001}};
+      return {"cm", "mm"};
     case Protocol::LidarLite:
       break;
   }
-  return {{"cm", 0.01}};
+  return {"cm"};
 }
 
 bool hasStrength(Protocol protocol) { return protocol != Protocol::Lightware; }

@@ -22,12 +22,8 @@ struct SensorDefaults {
 };
 SensorDefaults defaultsOf(Protocol protocol);
 
-struct Unit {
-  const char* name;
-  double metres;
-};
 /// Units of distance in a protocol; the first is the usual one.
-std::vector<Unit> unitsOf(Protocol protocol);
+std::vector<std::string> unitsOf(Protocol protocol);
 
 /// Whether its readings have the return's strength.
 bool hasStrength(Protocol protocol);

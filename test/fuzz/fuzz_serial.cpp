@@ -44,7 +44,7 @@ void checkCounts(const RangeParser& parser, std::size_t size, std::size_t readin
 
 void check(Protocol protocol, std::uint8_t piece, const std::uint8_t* data, std::size_t size) {
   const RangeLimits limits = limitsOf(protocol);
-  const double unit_m = unitsOf(protocol).back().metres;
+  const double unit_m = 0.001;
   RangeParser whole(protocol, limits, kByte_s, unit_m), pieces(protocol, limits, kByte_s, unit_m);
   std::vector<WireReading> readings, pieces_readings;
   whole.feed(data, size, kStart_s, readings);
