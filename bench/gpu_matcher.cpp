@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "opencl.hpp"
 #include "stereo/opencl/kernels.hpp"

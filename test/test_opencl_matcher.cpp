@@ -101,13 +101,9 @@ TEST_F(OpenClMatcherTest, ADeviceThatMatchesASampleAsTheCpuDoesIsTaken) {
   StereoConfig config;
   config.device = "gpu";
   EXPECT_NO_THROW(requireDevice(config));
-  for (const double difference_px : {0.0, -20.5, 30.25}) {
-    StereoCalibration calibration = test_support::smallCalibration();
-    calibration.cx_right_px -= difference_px;
-    const DisparityEstimator estimator(config, StereoGeometry(calibration), 0.1);
-    EXPECT_EQ(estimator.device().failure, "");
-    EXPECT_NE(estimator.device().name, "CPU");
-  }
+  const DisparityEstimator estimator(config, test_support::kSmallGeometry, 0.1);
+  EXPECT_EQ(estimator.device().failure, "");
+  EXPECT_NE(estimator.device().name, "CPU");
 }
 
 TEST_F(OpenClMatcherTest, MoreMemoryThanThereIsIsRefused) {
