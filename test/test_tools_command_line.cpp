@@ -95,8 +95,8 @@ TEST_F(CommandLineTest, NamesTheLimitThatANumberBreaks) {
 
 TEST_F(CommandLineTest, RefusesWhatIsNoFiniteNumber) {
   for (const std::string text : {"nan", "inf", "-inf", "1e999", "fast", "1 2", "2x", ""}) {
-    EXPECT_EQ(usageError({"--in", "a", "--rate", text}), "tool: --rate: '" + text + "' is no finite number");
-    EXPECT_EQ(usageError({"--in", "a", "--offset", text}), "tool: --offset: '" + text + "' is no finite number");
+    EXPECT_EQ(usageError({"--in", "a", "--rate", text}), "tool: --rate: '" + text + "' is not a finite number");
+    EXPECT_EQ(usageError({"--in", "a", "--offset", text}), "tool: --offset: '" + text + "' is not a finite number");
   }
 }
 
