@@ -62,6 +62,9 @@ TEST_F(BagFileTest, NamesABagWhoseLengthsLie) {
     EXPECT_NE(openError().find("a record"), std::string::npos) << openError();
   }
   writeFlight();
+  overwrite(path(), "message_definition=", -4, 100000);  // a field of a connection
+  EXPECT_NE(openError().find("a record's header is cut off at byte"), std::string::npos) << openError();
+  writeFlight();
   overwrite(path(), index, 28, 7);  // behind "ver=....", the length of the data, and the time
   EXPECT_NE(openError().find("the index leads to no message at byte"), std::string::npos) << openError();
 }

@@ -15,7 +15,7 @@ using Position = std::uint64_t;
 
 constexpr Position kFirstRecord = 13;    // behind "#ROSBAG V2.0\n"
 constexpr std::size_t kIndexEntry = 12;  // seconds, nanoseconds, offset
-constexpr char kMessage = 0x02, kIndex = 0x04, kChunk = 0x05;
+constexpr char kMessage = 0x02, kIndex = 0x04, kChunk = 0x05, kConnection = 0x07;
 
 [[noreturn]] void fail(const std::string& what, Position at) {
   throw std::runtime_error(what + " at byte " + std::to_string(at));
@@ -65,24 +65,31 @@ class BagRecords {
 
   Position length(Position at, Position limit) { return number(bytes(at, 4, limit).data()); }
 
+  /// Of a record's header, or of a connection's data, at a position.
+  static std::map<std::string, std::string> fieldsOf(const std::string& header, Position at) {
+    std::map<std::string, std::string> fields;
+    for (std::size_t field = 0; field < header.size();) {
+      if (header.size() - field < 4) fail("a record's header is cut off", at);
+      const std::size_t begin = field + 4, size = number(&header[field]);
+      if (size > header.size() - begin) fail("a record's header is cut off", at);
+      const std::string text = header.substr(begin, size);
+      const std::size_t equals = std::min(text.find('='), text.size() - 1);
+      if (size > 0) fields[text.substr(0, equals)] = text.substr(equals + 1);
+      field = begin + size;
+    }
+    return fields;
+  }
+
   /// @param limit where what holds the record ends.
   Record read(Position at, Position limit) {
     Record record;
     const Position header = at + 4, header_size = length(at, limit), data_size_at = header + header_size;
-    const std::string fields = bytes(header, header_size, limit);
-    for (Position field = 0; field < header_size;) {
-      if (header_size - field < 4) fail("a record's header is cut off", at);
-      const Position begin = field + 4, size = number(&fields[field]);
-      if (size > header_size - begin) fail("a record's header is cut off", at);
-      const std::string text = fields.substr(begin, size);
-      const std::size_t equals = std::min(text.find('='), text.size() - 1);
-      if (size > 0) record.fields[text.substr(0, equals)] = text.substr(equals + 1);
-      field = begin + size;
-    }
+    record.fields = fieldsOf(bytes(header, header_size, limit), at);
     record.data = data_size_at + 4;
     const Position data_size = length(data_size_at, limit);
     if (data_size > limit - record.data) fail("a record announces more bytes than there are,", at);
     record.end = record.data + data_size;
+    if (record.op() == kConnection) fieldsOf(bytes(record.data, data_size, limit), at);
     return record;
   }
 
