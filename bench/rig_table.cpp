@@ -1,5 +1,5 @@
-// What a rig that is out of calibration does to the verdict, with a LiDAR: right images that are shifted, and focal
-// lengths and baselines that are announced too long or too short.
+// What a rig that is out of calibration does to the verdict, with a LiDAR: right images that are shifted, also without
+// one, and focal lengths and baselines that are announced too long or too short.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,12 +22,16 @@ struct Fault {
   std::string name;
   int shift_px = 0;                    // of the right image to the right: all is matched too far
   double focal = 1.0, baseline = 1.0;  // announced over true
+  bool has_lidar = true;
 };
 
 std::vector<Fault> faults() {
   std::vector<Fault> faults{{"none"}};
   for (const int shift_px : {-4, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8}) {
     faults.push_back({"shift " + std::to_string(shift_px) + " px", shift_px});
+  }
+  for (const int shift_px : {1, 3, 6}) {
+    faults.push_back({"no LiDAR, " + std::to_string(shift_px) + " px", shift_px, 1.0, 1.0, false});
   }
   for (const double factor : {1.0 / 1.5, 1.0 / 1.2, 1.2, 1.35, 1.5}) {
     char text[32];
@@ -85,7 +89,7 @@ void fly(const std::string& scene, std::uint64_t seed, std::vector<Row>& rows) {
     while (next != ranges.end() && next->stamp_s <= frame.stamp_s) ++next;
     for (std::size_t k = 0; k < runs.size(); ++k) {
       Run& run = runs[k];
-      for (auto reading = first; reading != next; ++reading) run.pipeline->addRange(*reading);
+      for (auto reading = first; run.fault.has_lidar && reading != next; ++reading) run.pipeline->addRange(*reading);
       const Report& report =
           run.pipeline->process({frame.stamp_s, frame.left, shifted(frame.right, run.fault.shift_px)});
       const State state = report.verdict.state;

@@ -260,17 +260,19 @@ TEST(DisparityEstimator, ADeviceMayHaveANaNOfItsOwn) {
 }
 
 TEST(DisparityEstimator, TheSampleHasEveryKindOfMatch) {
-  int best = 0, repeated = 0, flags[16] = {};
+  int best = 0, repeated = 0, quarters[4] = {}, flags[16] = {};
   const auto count = [&](const MatchPlanes& out) {
     for (int i = 0; i < 320 * 240; ++i) {
       best += std::fmod(out.best[i], 1.0f) > 0.0f;
       repeated += std::fmod(out.repeated[i], 1.0f) > 0.0f;
+      if (out.best[i] >= 0.0f) ++quarters[static_cast<int>(out.best[i]) / 32];
       ++flags[out.flags[i]];
     }
   };
   EXPECT_EQ(deviceOf("gpu", fakes(count)).name, "a GPU");
   EXPECT_GT(best, 10000);
   EXPECT_GT(repeated, 1000);
+  for (const int matches : quarters) EXPECT_GT(matches, 1000) << "of 128 disparities";
   constexpr int kMatch = kConsistent | kDistinct;
   for (const int kind : {0, +kConsistent, +kDistinct, kMatch, kMatch | kCompetitor, kMatch | kCompetitor | kRepeated}) {
     EXPECT_GT(flags[kind], 1000) << kind;
@@ -306,9 +308,9 @@ TEST(DisparityEstimator, AGpuThatWasAskedForIsRequired) {
   EXPECT_EQ(refusal("cpu", kBroken), "");
   EXPECT_EQ(refusal("auto", kBroken), "");
   EXPECT_EQ(refusal("gpu", fakes([](const MatchPlanes&) {})), "");
-  EXPECT_EQ(refusal("gpu", kBroken), "stereo/device: gpu: broken, or choose cpu or auto");
+  EXPECT_EQ(refusal("gpu", kBroken), "stereo/device: gpu: broken. Choose cpu or auto without one");
   EXPECT_EQ(refusal("gpu", fakes([](const MatchPlanes& out) { out.flags[0] ^= kDistinct; })),
-            "stereo/device: gpu: OpenCL: the device finds other matches than the CPU, or choose cpu or auto");
+            "stereo/device: gpu: OpenCL: the device finds other matches than the CPU. Choose cpu or auto without one");
 }
 
 }  // namespace

@@ -75,6 +75,9 @@ TEST(RangeSerialParams, TheUnitIsOneThatTheProtocolsSensorsHave) {
         << complaint;
   }
   EXPECT_TRUE(contains(complaintAboutSensor({{"unit", 0.001}}), "unit: expects a text (0.001)"));
+  EXPECT_EQ(serial::metresOf("m"), 1.0);
+  EXPECT_EQ(serial::metresOf("cm"), 0.01);
+  EXPECT_EQ(serial::metresOf("mm"), 0.001);
   EXPECT_THROW(unitOf("lightware", "mm"), std::invalid_argument);
   EXPECT_THROW(unitOf("lidar_lite", "mm"), std::invalid_argument);
 }

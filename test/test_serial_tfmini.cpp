@@ -59,7 +59,7 @@ TEST(Tfmini, CodesOfErrorsAreNoDistances) {
 }
 
 TEST(Tfmini, AFrameCountsWhenItFollowsAnother) {
-  TfminiReader reader;
+  TfminiReader reader(0.01);
   const auto readings = readingsOf(reader, tfminiFrame(100, 500) + tfminiFrame(200, 500) + tfminiFrame(300, 500));
   ASSERT_EQ(readings.size(), 2u);
   EXPECT_DOUBLE_EQ(readings[0].measurement.range_m, 2.0);
@@ -72,7 +72,7 @@ TEST(Tfmini, AStreamThatIsEnteredAnywhereIsReadFromTheSecondWholeFrameOn) {
   std::string stream;
   for (unsigned i = 0; i < 6; ++i) stream += tfminiFrame(100 + i, 500 + i);
   for (std::size_t from = 0; from < 9; ++from) {
-    TfminiReader reader;
+    TfminiReader reader(0.01);
     const auto readings = readingsOf(reader, stream.substr(from));
     ASSERT_EQ(readings.size(), from == 0 ? 5u : 4u) << from;
     for (std::size_t i = 0; i < readings.size(); ++i) {
@@ -83,7 +83,7 @@ TEST(Tfmini, AStreamThatIsEnteredAnywhereIsReadFromTheSecondWholeFrameOn) {
 
 TEST(Tfmini, AWrongByteCostsItsFrameAndTheNext) {
   for (std::size_t wrong = 0; wrong < 9; ++wrong) {
-    TfminiReader reader;
+    TfminiReader reader(0.01);
     std::string stream;
     for (unsigned i = 0; i < 6; ++i) stream += tfminiFrame(100 + i, 500);
     stream[18 + wrong] = static_cast<char>(stream[18 + wrong] ^ 0x10);
@@ -101,7 +101,7 @@ TEST(Tfmini, HeadersWithinTheDataAreNotTakenForFrames) {
     std::string stream;
     for (unsigned i = 0; i < 40; ++i) stream += tfminiFrame(distance_cm, 0x5959 + i, 0x5959);
     for (std::size_t from = 0; from < 9; ++from) {
-      TfminiReader reader;
+      TfminiReader reader(0.01);
       const auto readings = readingsOf(reader, stream.substr(from));
       EXPECT_GE(readings.size(), 36u) << from;
       for (const auto& reading : readings) {
@@ -112,7 +112,7 @@ TEST(Tfmini, HeadersWithinTheDataAreNotTakenForFrames) {
 }
 
 TEST(Tfmini, GarbageGivesNoReadingAndHoldsNoMemory) {
-  TfminiReader reader;
+  TfminiReader reader(0.01);
   EXPECT_TRUE(readingsOf(reader, std::string(100000, '\x59')).empty());
   EXPECT_TRUE(readingsOf(reader, std::string(100000, '\0')).empty());
   EXPECT_LT(reader.held(), TfminiReader::kFrameBytes);

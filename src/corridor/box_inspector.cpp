@@ -21,25 +21,16 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     const auto& holes = holes_.find(fan, pair.rays, pair.correction, from_m, pair.nearest_m, smallest_m);
     for (int i = 0; i < fan.size(); ++i) evidence_[i].unobserved = holes[i];
   };
-  const auto find_railings = [&] {
-    railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m);
-    for (int i = 0; i < fan.size(); ++i) {
-      evidence_[i].is_ambiguous = questions_[i].is_open && railings_.mayBeIn(fan.box(i), is_lidar_valid[i]);
-    }
-  };
+  const auto look_for_railings = [&] { railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m); };
+  workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : look_for_railings(); });
   questions_.clear();
-  for (int i = 0; i < fan.size(); ++i) questions_.push_back({true, is_lidar_valid[i]});
-  workers.run(is_one ? 3 : 2, [&](int part, int) {
-    part == 0 ? find_patches() : part == 1 ? find_holes() : find_railings();
-  });
-  if (!is_one) {  // a hole is UNKNOWN already
-    for (int i = 0; i < fan.size(); ++i) {
-      const auto& patches = evidence_[i].patches;
-      const bool is_blocked = std::any_of(patches.begin(), patches.end(),
-                                          [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); });
-      questions_[i].is_open = is_blocked || !evidence_[i].unobserved.hasHole();
-    }
-    find_railings();
+  for (int i = 0; i < fan.size(); ++i) {  // of many, one with a hole is UNKNOWN already unless it is blocked
+    BoxEvidence& evidence = evidence_[i];
+    const auto blocks = [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); };
+    const bool is_open = is_one || !evidence.unobserved.hasHole() ||
+                         std::any_of(evidence.patches.begin(), evidence.patches.end(), blocks);
+    evidence.is_ambiguous = is_open && railings_.mayBeIn(fan.box(i), is_lidar_valid[i]);
+    questions_.push_back({is_open, is_lidar_valid[i]});
   }
   doubt_.find(fan, from_m, pair.disparity, pair.correction, questions_, smallest_m, workers);
   for (int i = 0; i < fan.size(); ++i) evidence_[i].is_ambiguous |= doubt_.isIn(i);

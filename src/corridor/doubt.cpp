@@ -240,7 +240,8 @@ void Doubt::checkDisparity(int d, double smallest_m2, Scratch& scratch) const {
   const int width = geometry_.size().width;
   for (Scratch::Box& box : scratch.boxes) box.clear();
   const cv::Rect& view = views_[d];
-  if (view.empty()) return;
+  const auto is_undecided = [](const Scratch::Box& box) { return box.is_undecided; };
+  if (view.empty() || std::none_of(scratch.boxes.begin(), scratch.boxes.end(), is_undecided)) return;
   const int first_word = view.x / 64, words = wordsOf(view.br().x) - first_word;
   const BitImage image{bits_.data() + begin(view.y, d) + first_word, begin(1, d) - begin(0, d), view.height, words};
   for (const BitPatches::Run& run : scratch.patches.find(image, smallest_px)) {

@@ -38,8 +38,8 @@ Violations check(const MapConfig& config) {
   return rules.broken();
 }
 
-double farthestCamera(const MapConfig& config) {
-  return EvidenceTree::kKeyOrigin * config.resolution_m - config.max_range_m;
-}
+double mapReach(const MapConfig& config) { return EvidenceTree::kKeyOrigin * config.resolution_m; }
+
+double farthestCamera(const MapConfig& config) { return mapReach(config) - config.max_range_m; }
 
 }  // namespace flight_corridor

@@ -60,7 +60,7 @@ void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T
 }
 
 void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M) {
-  const double reach_m = EvidenceTree::kKeyOrigin * config_.resolution_m;
+  const double reach_m = mapReach(config_);
   const auto has_key = [&](const Eigen::Vector3d& p_M) { return (p_M.array().abs() < reach_m).all(); };
   octomap::OcTreeKey end;
   if (!has_key(origin_M) || !has_key(end_M) || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;

@@ -36,8 +36,7 @@ std::optional<Eigen::Vector3d> GoalDirection::find(const std_msgs::Header& camer
   if (frame_warning_.due()) {
     ROS_WARN(
         "tf does not connect \"%s\" (goal_direction) with the camera's frame \"%s\" within %.1f s of the image: "
-        "straight "
-        "ahead is wanted instead. Publish it, or name a frame that tf has",
+        "straight ahead is wanted instead. Publish it, or name a frame that tf has",
         frame_.c_str(), camera.frame_id.c_str(), flight_corridor::kLongestDelay_s);
   }
   return std::nullopt;

@@ -28,7 +28,7 @@ ros::Time toStamp(double stamp_s) { return stamp_s > 0.0 ? ros::Time(stamp_s) : 
 
 RangeSerial::RangeSerial(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
     : config_(makeRangeSerialConfig(readParameters(private_node))),
-      parser_(config_.protocol, config_.limits, kBits / config_.baud, config_.unit == "mm" ? 0.001 : 0.01),
+      parser_(config_.protocol, config_.limits, kBits / config_.baud, flight_corridor::serial::metresOf(config_.unit)),
       next_opening_s_(steadySeconds()),
       next_request_s_(next_opening_s_),
       wake_s_(next_opening_s_),

@@ -48,6 +48,8 @@ std::vector<std::string> unitsOf(Protocol protocol) {
   return {"cm"};
 }
 
+double metresOf(const std::string& unit) { return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1.0; }
+
 bool hasStrength(Protocol protocol) { return protocol != Protocol::Lightware; }
 
 std::string requestOf(Protocol protocol) { return protocol == Protocol::Lightware ? "d" : ""; }

@@ -24,6 +24,8 @@ SensorDefaults defaultsOf(Protocol protocol);
 
 /// Units of distance in a protocol; the first is the usual one.
 std::vector<std::string> unitsOf(Protocol protocol);
+/// One of these in metres.
+double metresOf(const std::string& unit);
 
 /// Whether its readings have the return's strength.
 bool hasStrength(Protocol protocol);

@@ -44,7 +44,7 @@ class RangeParser {
  public:
   /// @param byte_s time of a byte on the wire: 10 bits (8N1) over the baud rate.
   /// @param unit_m of a tfmini's distances.
-  RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s, double unit_m = 0.01);
+  RangeParser(Protocol protocol, const RangeLimits& limits, double byte_s, double unit_m);
 
   /// Adds the readings that these bytes complete. A byte's arrival: the number of later bytes times byte_s before the
   /// read, but no earlier than the previous read: then it was not there.

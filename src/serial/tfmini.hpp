@@ -26,7 +26,7 @@ class TfminiReader {
   };
 
   /// @param unit_m of the distances: 0.01, or 0.001 if the sensor is set to millimetres.
-  explicit TfminiReader(double unit_m = 0.01) : unit_m_(unit_m) {}
+  explicit TfminiReader(double unit_m) : unit_m_(unit_m) {}
 
   /// @return the reading that this byte completes, if any.
   std::optional<Reading> add(std::uint8_t byte, double arrival_s);

@@ -53,8 +53,8 @@ void matchBy(Matcher& matcher, const StereoFrame& frame, int num_disparities, Di
                  out.competitor_nearest.data, out.flags.data, reinterpret_cast<std::uint64_t*>(out.set.data)});
 }
 
-/// Tiles of noise, of no texture, of texture that repeats, and of texture, half a pixel nearer every second row: the
-/// matcher finds all that it can tell apart.
+/// Tiles of noise, of no texture, of texture that repeats, and of texture, at every disparity from the first row to the
+/// last, half pixels between: the matcher finds all that it can tell apart.
 StereoFrame samplePair(const MatcherSize& size) {
   constexpr int kTile = 128, kTileRows = 16, kPeriod = 24;  // half pixels
   const int before_px = std::max(0, -size.min_disparity_px);
@@ -72,7 +72,7 @@ StereoFrame samplePair(const MatcherSize& size) {
   const cv::Size size_px(size.width_px, size.height_px);
   StereoFrame pair{0.0, cv::Mat(size_px, CV_8UC1), cv::Mat(size_px, CV_8UC1)};
   for (int v = 0; v < size_px.height; ++v) {
-    const int shift = 2 * size.min_disparity_px + v / 2 % (2 * size.num_disparities);
+    const int shift = 2 * size.min_disparity_px + v * 2 * size.num_disparities / size_px.height;
     for (int u = 0; u < size_px.width; ++u) {
       const int i = 2 * (before_px + u);
       pair.left.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(surface(v, i) + random.uniform(0, 3));
@@ -82,12 +82,13 @@ StereoFrame samplePair(const MatcherSize& size) {
   return pair;
 }
 
-bool same(DisparityEvidence& one, DisparityEvidence& other) {
+bool same(DisparityEvidence one, DisparityEvidence other) {
+  constexpr double kNoDisparity_px = -1e6;
   using Evidence = DisparityEvidence;
   for (const auto map : {&Evidence::best_px, &Evidence::repeated_px, &Evidence::flags, &Evidence::set,
                          &Evidence::competitor_farthest, &Evidence::competitor_nearest}) {
     for (cv::Mat* const floats : {&(one.*map), &(other.*map)}) {
-      if (floats->depth() == CV_32F) cv::patchNaNs(*floats, -1.0);  // devices differ in the bits of NaN
+      if (floats->depth() == CV_32F) cv::patchNaNs(*floats, kNoDisparity_px);  // NaNs differ in bits
     }
     if (cv::norm(one.*map, other.*map, cv::NORM_INF) != 0.0) return false;
   }
@@ -105,8 +106,8 @@ void requireSameMatches(DeviceMatcher& device, SemiGlobalMatcher& cpu, const Mat
     matchBy(matcher, pair, size.num_disparities, evidence);
     return evidence;
   };
-  DisparityEvidence found = matched_by(device), expected = matched_by(cpu);
-  if (!same(found, expected)) throw DeviceError("OpenCL: the device finds other matches than the CPU");
+  if (!same(matched_by(device), matched_by(cpu)))
+    throw DeviceError("OpenCL: the device finds other matches than the CPU");
 }
 
 }  // namespace
@@ -131,7 +132,7 @@ void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_
       {cv::Size2d(width_px, height_px), width_px, width_px, width_px / 2, height_px / 2, width_px / 2, 0.1});
   const std::string failure = DisparityEstimator(config, geometry, 0.0, make_device_matcher).device().failure;
   if (failure.empty()) return;
-  throw std::invalid_argument("stereo/device: gpu: " + failure + ", or choose cpu or auto");
+  throw std::invalid_argument("stereo/device: gpu: " + failure + ". Choose cpu or auto without one");
 }
 
 DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry,

@@ -27,9 +27,10 @@ class Doubt {
 
   explicit Doubt(const StereoGeometry& geometry);
 
-  /// @param from_m depth from which on the boxes count.  @param evidence of the pair.
+  /// @param from_m depth from which on the boxes count [m].  @param evidence of the pair.
   /// @param correction of its disparities.  @param questions a direction.
-  /// @param smallest_m edge of a square: a patch of its area is doubt enough.
+  /// @param workers of the caller, not at work: they do not nest.
+  /// @param smallest_m edge of a square [m]: a patch of its area is doubt enough.
   void find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
             const std::vector<Question>& questions, double smallest_m, BandWorkers& workers);
 

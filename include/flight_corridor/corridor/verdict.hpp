@@ -25,9 +25,8 @@ enum Reason : std::uint32_t {
   kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is invalid, or
                           ///< beyond the map's reach.
   kBadImage = 1u << 5,    ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  kBadCalibration =
-      1u
-      << 6,  ///< UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter.
+  /// UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter.
+  kBadCalibration = 1u << 6,
   kNoDisparity = 1u << 7,   ///< UNKNOWN: hardly any match (no texture, saturated, covered lens).
   kDisagreement = 1u << 8,  ///< Information: LiDAR and stereo disagree persistently; the nearer one rules.
   kNoLidar = 1u << 9,       ///< Information: no usable LiDAR reading, or it pauses three times its recent mean; stereo
@@ -40,9 +39,9 @@ enum Reason : std::uint32_t {
   kAmbiguous = 1u << 14,     ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
                              ///< in it as well; or a railing's bars may be matched on the wall behind.
   kWeakEvidence = 1u << 15,  ///< UNKNOWN: a patch in the box, too small to block, too large for chance.
-  kLidarNearer =
-      1u << 16,  ///< UNKNOWN: the LiDAR measures less than stereo, persistently or by more than the rig explains, and
-                 ///< stereo does not show it beside the beam; or it reports an obstacle too close to measure.
+  /// UNKNOWN: the LiDAR measures less than stereo, persistently or by more than the rig explains, and stereo does not
+  /// show it beside the beam; or it reports an obstacle too close to measure.
+  kLidarNearer = 1u << 16,
 };
 
 /// The rule: BLOCKED or UNKNOWN if a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Unknown bits yield

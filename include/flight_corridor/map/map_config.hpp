@@ -24,8 +24,9 @@ struct MapConfig {
 };
 Violations check(const MapConfig& config);
 
-/// Largest coordinate of a camera in a fixed frame around which OctoMap has a key for every cell within max_range_m
-/// [m].
+/// Coordinates below which OctoMap has keys for cells [m].
+double mapReach(const MapConfig& config);
+/// Largest coordinate of a camera in a fixed frame: cells up to max_range_m away have keys [m].
 double farthestCamera(const MapConfig& config);
 
 }  // namespace flight_corridor
