@@ -45,6 +45,10 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   throw std::invalid_argument(text.str());
 }
 
+bool isPose(const std::optional<Eigen::Isometry3d>& T_W_C) {
+  return T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
+}
+
 /// Repeated matches at the LiDAR's range, to a pixel, are confirmed.
 /// @param met_px corrected disparity of the surface that it met; NaN: none.
 void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
@@ -73,7 +77,9 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       inspector_(geometry),
       query_inspector_(geometry),
       fan_inspector_(geometry),
-      recent_block_(config.corridor.hold_s) {
+      recent_block_(config.corridor.hold_s),
+      motion_(geometry),
+      earlier_(geometry) {
   requireSight(config.corridor, geometry, nearestDepth());
 }
 
@@ -95,6 +101,10 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
+    remember();
+    motion_.update(frame.stamp_s, pair_.left, disparity_.best_px, scale(),
+                   isPose(T_W_C) ? T_W_C : std::nullopt);
+    earlier_.moveTo(frame.stamp_s, motion_.pose(), config_.corridor.memory_s);
     confirmRepeated(geometry_.disparity(validLidarDepth(boxInCamera())), scale(), disparity_);
   }
   {
@@ -118,8 +128,7 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   std::uint32_t reasons = 0;
   if (!std::isfinite(frame.stamp_s) || frame.stamp_s < newest_stamp_s_) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
-  const bool has_pose = T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear()) &&
-                        (T_W_C->translation().array().abs() <= farthestCamera(config_.map)).all();
+  const bool has_pose = isPose(T_W_C) && (T_W_C->translation().array().abs() <= farthestCamera(config_.map)).all();
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
 }
@@ -136,11 +145,18 @@ void Pipeline::trackRange() {
   static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
+/// The last pair becomes an earlier one, if its free space is trusted.
+void Pipeline::remember() {
+  if (!motion_.pose() || !clears_ || config_.corridor.memory_s <= 0.0) return;
+  earlier_.add(judged_s_, *motion_.pose(), rays_.metLeft(), rays_.metRight());
+}
+
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules only the beam, but
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
 bool Pipeline::isTrusted() const {
-  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
+  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer &&
+         !motion_.witness().contradicts();
 }
 
 void Pipeline::updateMap() const {
@@ -163,7 +179,7 @@ const OccupancyMap& Pipeline::map() const {
 }
 
 PairEvidence Pipeline::evidence() const {
-  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, scale(), nearestDepth()};
+  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, scale(), nearestDepth()};
 }
 
 /// An obstacle seen earlier in the box blocks until it is known to have gone; only this frame's evidence makes FREE.
@@ -181,6 +197,8 @@ void Pipeline::decide() {
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) box_reasons_ |= kNoDisparity;
   verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.reasons = box_reasons_ | reasonsOf(report_);
+  if (motion_.witness().contradicts()) verdict.reasons |= kBadCalibration;
+  if (!motion_.pose()) verdict.reasons |= kNoMotion;
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   verdict.block(kShortRange, beamEndInBox(box_C));
   if (remembers()) verdict.block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m);
@@ -191,7 +209,8 @@ void Pipeline::decide() {
   }
   verdict.state = stateOf(verdict.reasons);
   verdict.free_distance_m = freeDistance(verdict, shown, corridor, box_C);
-  report_.clears = isTrusted();
+  report_.clears = clears_ = isTrusted();
+  judged_s_ = verdict.stamp_s;
 }
 
 void Pipeline::setCorridor(const CorridorConfig& corridor) {

@@ -57,9 +57,10 @@ TEST(Architecture, ArrowsBetweenTheModulesPointDownwards) {
       {"opencl", {"stereo"}},
       {"range", {"geometry"}},
       {"map", {"geometry"}},
-      {"corridor", {"geometry", "stereo", "range", "map"}},
-      {"", {"geometry", "stereo", "range", "map", "corridor"}},
-      {"view", {"geometry", "stereo", "range", "map", "corridor", ""}},
+      {"motion", {"geometry", "range"}},
+      {"corridor", {"geometry", "stereo", "range", "motion", "map"}},
+      {"", {"geometry", "stereo", "range", "motion", "map", "corridor"}},
+      {"view", {"geometry", "stereo", "range", "motion", "map", "corridor", ""}},
       {"serial", {}}};
   static const std::set<std::string> kForAll{"types", "band_workers", "disjoint_sets"};
   static const std::regex own("#include \"flight_corridor/(?:(\\w+)/)?(\\w+)\\.hpp\"");

@@ -13,6 +13,8 @@
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
+#include "flight_corridor/motion/camera_motion.hpp"
+#include "flight_corridor/motion/earlier_pairs.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "flight_corridor/stereo/texture.hpp"
@@ -65,8 +67,8 @@ class Pipeline {
 
   /// The verdict for one stereo pair. A pair with an earlier stamp than the last is refused (NO_DATA): if the clock was
   /// set back, make a new pipeline.
-  /// @param T_W_C pose of the left camera in the map's frame at the frame's stamp; needed if map/frame_id is set, else
-  /// unused.
+  /// @param T_W_C pose of the left camera in a fixed frame at the frame's stamp: that of the map if map/frame_id is set,
+  /// which then needs it; else any, by which earlier pairs are remembered. Absent: their motion is told by the images.
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
@@ -123,6 +125,8 @@ class Pipeline {
   const cv::Mat& left() const { return pair_.left; }
   /// The learnt scale and offset of the rig.
   const ScaleCorrection& scale() const { return range_tracker_.scale(); }
+  /// Told motion against that of the images.
+  const MotionWitness& motionWitness() const { return motion_.witness(); }
   /// In the map's frame M. Without map/frame_id it is built at the first call, from the last frame only.
   const OccupancyMap& map() const;
   /// Left camera in the map's frame at the last frame; identity without map/frame_id.
@@ -135,6 +139,7 @@ class Pipeline {
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
   void trackRange();
+  void remember();
   void updateMap() const;
   void decide();
   PairEvidence evidence() const;
@@ -160,6 +165,10 @@ class Pipeline {
   mutable BoxInspector query_inspector_;
   BoxInspector fan_inspector_;
   RecentBlock recent_block_;
+  CameraMotion motion_;
+  EarlierPairs earlier_;
+  bool clears_ = false;    // the free space of the last pair that was judged
+  double judged_s_ = kNaN;  // ... and its stamp
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;

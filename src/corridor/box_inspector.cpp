@@ -18,7 +18,7 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     for (int i = 0; i < fan.size(); ++i) evidence_[i].patches = patches[i];
   };
   const auto find_holes = [&] {
-    const auto& holes = holes_.find(fan, pair.rays, pair.correction, from_m, pair.nearest_m, smallest_m);
+    const auto& holes = holes_.find(fan, {pair.rays, pair.disparity, pair.earlier}, pair.correction, from_m, pair.nearest_m, smallest_m);
     for (int i = 0; i < fan.size(); ++i) evidence_[i].unobserved = holes[i];
   };
   const auto look_for_railings = [&] { railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m); };

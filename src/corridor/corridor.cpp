@@ -27,6 +27,7 @@ Violations check(const CorridorConfig& config) {
   rules.require(0.0 <= config.smallest_obstacle_m && config.smallest_obstacle_m <= 1.0, "smallest_obstacle_m", "0 to 1",
                 config.smallest_obstacle_m);
   rules.require(0.0 <= config.hold_s && config.hold_s <= 10.0, "hold_s", "0 to 10", config.hold_s);
+  rules.require(0.0 <= config.memory_s && config.memory_s <= 10.0, "memory_s", "0 to 10", config.memory_s);
   rules.require(config.max_age_s > 0.0, "max_age_s", "positive", config.max_age_s);
   return rules.broken();
 }

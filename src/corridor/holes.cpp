@@ -17,6 +17,7 @@ constexpr double kJustInside = 0.999;   // of the box's end: there its rays leav
 constexpr int kPerObstacle = 6;         // pixels looked at along the smallest obstacle, at the most
 constexpr double kFarthest_m = 1000.0;  // a box has an end, whatever its pose
 constexpr double kNearest_m = 0.05;     // nearer no camera is in focus
+constexpr float kTouching_px = 1.0f;      // a match so near to a place is of a surface that may be there
 constexpr double kFarShare = 0.25;      // of the box's depth: its end
 
 /// Of a part of a box.
@@ -86,11 +87,14 @@ void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
 }
 
 /// A plane in the last pair's disparities.
-Holes::Place Holes::place(const Plane& plane, const ScaleCorrection& correction, double nearest_m) const {
+Holes::Place Holes::place(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction,
+                          double nearest_m) const {
   const StereoCalibration& rig = geometry_.calibration();
   Place place;
   place.at_px = static_cast<float>(geometry_.disparity(plane.depth_m));
   const double measured_px = place.at_px * correction.scale(place.at_px);
+  place.measured_px = static_cast<float>(measured_px);
+  place.earlier = earlier.plane(plane.depth_m);
   place.shift_px = static_cast<int>(std::lround(measured_px + geometry_.principalPointDifference()));
   place.is_searched = plane.depth_m >= nearest_m;
   const double stride_m = plane.stride_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);
@@ -100,15 +104,26 @@ Holes::Place Holes::place(const Plane& plane, const ScaleCorrection& correction,
   return place;
 }
 
+/// Whether no ray shows that the place is clear. What earlier pairs saw holds as long as the newest shows nothing there,
+/// nor nearer.
+bool Holes::isUnclear(int u, int v, const Place& place, const Absence& absence) {
+  if (u < place.shift_px) return false;
+  if (!place.is_searched) return true;
+  if (absence.rays.isClear(u, v, place.at_px, place.shift_px)) return false;
+  const float best_px = absence.matches.best_px.at<float>(v, u);
+  const float match_px = std::isnan(best_px) ? absence.matches.repeated_px.at<float>(v, u) : best_px;
+  return match_px >= place.measured_px - kTouching_px || !place.earlier.wasClear(u, v);
+}
+
 /// Pixels that both cameras see and neither's ray is clear; and where squares of them end that hide the smallest
 /// obstacle.
-void Holes::findUnclear(const Plane& plane, const Place& place, const ClearRays& rays) {
+void Holes::findUnclear(const Plane& plane, const Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
   unclear_.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
   for (int row = 0; row < unclear_.rows; ++row) {
     auto* unclear = unclear_.ptr(row);
     for (int column = 0; column < unclear_.cols; ++column) {
-      unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, rays);
+      unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, absence);
     }
   }
   cv::erode(unclear_, hides_, cv::Mat::ones(place.edge, place.edge, CV_8UC1), {place.edge - 1, place.edge - 1}, 1,
@@ -134,7 +149,7 @@ Holes::Look Holes::look(const Plane& plane, const Section& section, const Place&
 }
 
 /// The edge of the largest square that ends at a pixel is one more than the least of its three neighbours'.
-Holes::Square Holes::search(const Plane& plane, const Place& place, int direction, const ClearRays& rays) {
+Holes::Square Holes::search(const Plane& plane, const Place& place, int direction, const Absence& absence) {
   const cv::Rect& view = plane.sections[direction].view;
   const auto first = [&](int pixel, int from) {
     return from + (pixel - from + plane.stride_px - 1) / plane.stride_px * plane.stride_px;
@@ -147,7 +162,7 @@ Holes::Square Holes::search(const Plane& plane, const Place& place, int directio
   for (int v = first(view.y, plane.view.y); v < view.br().y; v += plane.stride_px) {
     for (int i = 1, u = first_u; i <= columns; ++i, u += plane.stride_px) {
       const bool is_unclear =
-          isUnclear(u, v, place, rays) &&
+          isUnclear(u, v, place, absence) &&
           fan_.contains(fan_.turned(direction, fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>()));
       squares_[i] = is_unclear ? 1 + std::min({above_[i - 1], above_[i], squares_[i - 1]}) : 0;
       if (squares_[i] > largest.edge) largest = {squares_[i], u, v};
@@ -157,20 +172,20 @@ Holes::Square Holes::search(const Plane& plane, const Place& place, int directio
   return largest;
 }
 
-const std::vector<Unobserved>& Holes::find(const Fan& fan, const ClearRays& rays, const ScaleCorrection& correction,
+const std::vector<Unobserved>& Holes::find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
                                            double from_m, double nearest_m, double smallest_m) {
   layOut(fan, from_m, smallest_m);
   places_.clear();
   looks_.clear();
   for (const Plane& plane : planes_) {
-    places_.push_back(place(plane, correction, nearest_m));
-    if (!plane.view.empty()) findUnclear(plane, places_.back(), rays);
+    places_.push_back(place(plane, absence.earlier, correction, nearest_m));
+    if (!plane.view.empty()) findUnclear(plane, places_.back(), absence);
     for (const Section& section : plane.sections) looks_.push_back(look(plane, section, places_.back()));
   }
   found_.clear();
   for (int direction = 0; direction < fan.size(); ++direction) {
     found_.push_back(measure(direction));
-    findHole(direction, rays, found_.back());
+    findHole(direction, absence, found_.back());
   }
   return found_;
 }
@@ -204,13 +219,13 @@ Unobserved Holes::measure(int direction) const {
 }
 
 /// The nearest hole that hides the smallest obstacle; space too near to be matched is not a hole.
-void Holes::findHole(int direction, const ClearRays& rays, Unobserved& found) {
+void Holes::findHole(int direction, const Absence& absence, Unobserved& found) {
   const StereoCalibration& rig = geometry_.calibration();
   found.hole_along_m = kInfinity;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     const Plane& plane = planes_[i];
     if (!places_[i].is_searched || !looks_[i * fan_.size() + direction].may_hide) continue;
-    const Square square = search(plane, places_[i], direction, rays);
+    const Square square = search(plane, places_[i], direction, absence);
     if (square.edge < places_[i].edge) continue;
     const int edge_px = square.edge * plane.stride_px;
     found.hole_m = edge_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);

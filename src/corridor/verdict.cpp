@@ -33,7 +33,7 @@ const char* toString(State state) {
 }
 
 State stateOf(std::uint32_t reasons) {
-  constexpr std::uint32_t kInformation = kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved;
+  constexpr std::uint32_t kInformation = kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
   if (reasons & (kOccupiedCell | kShortRange)) return State::Blocked;
   return reasons & ~kInformation ? State::Unknown : State::Free;
 }
@@ -42,7 +42,8 @@ std::string describeReasons(std::uint32_t reasons) {
   static const char* const kNames[] = {
       "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",       "NO_POSE",        "BAD_IMAGE",
       "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR",      "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
-      "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER"};
+      "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER",
+      "MOVING",           "NO_MOTION"};
   std::string text;
   std::uint32_t bit = 1;
   for (const char* name : kNames) {
@@ -82,7 +83,7 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
 
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box) {
   constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kUnobserved | kRecentlyBlocked | kWeakEvidence |
-                                       kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved;
+                                       kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
   const Unobserved& unobserved = evidence.unobserved;
   const bool is_believed = (verdict.reasons & ~kSaysWhere) == 0 && unobserved.too_near <= kTooNear;
   if (verdict.state == State::Unknown || !is_believed) return 0.0;

@@ -81,6 +81,7 @@ Fields bind(flight_corridor::CorridorConfig& c) {
           {"max_unknown_fraction", &c.max_unknown_fraction},
           {"smallest_obstacle_m", &c.smallest_obstacle_m},
           {"hold_s", &c.hold_s},
+          {"memory_s", &c.memory_s},
           {"max_age_s", &c.max_age_s}};
 }
 

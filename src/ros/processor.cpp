@@ -170,6 +170,12 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
     ROS_ERROR("left and right image are bit-identical: UNKNOWN. One camera on both topics, \"%s\" and \"%s\"?",
               pair.left->header.frame_id.c_str(), pair.right->header.frame_id.c_str());
   }
+  if (rig_->motionWitness().contradicts() && motion_warning_.due()) {
+    ROS_ERROR(
+        "the poses of camera \"%s\" in tf contradict its images: UNKNOWN. Check that CameraInfo is of these images (not "
+        "of another size or of the uncropped sensor), the camera's mounting, and the odometry: %s",
+        pair.header.frame_id.c_str(), describe(rig_->motionWitness().way()).c_str());
+  }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
     ROS_WARN(
         "hardly any pixel is matched (below stereo/min_matched_fraction %g), so nothing is FREE. Check for textureless "
@@ -180,7 +186,7 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
 
 std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& header) {
   const std::string& map_frame = config_.core.map.frame_id;
-  if (map_frame.empty()) return std::nullopt;
+  if (map_frame.empty()) return poseInAnyFrame(header);
   const auto T_W_C = transforms_.find(map_frame, header.frame_id, header.stamp, config_.ros.tf_timeout_s);
   if (!T_W_C && pose_warning_.due()) {
     ROS_WARN("tf gave no pose of \"%s\" in \"%s\" (map/frame_id) at %.3f within %.3f s (ros/tf_timeout_s): UNKNOWN",
@@ -194,6 +200,14 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
         T_W_C->translation().x(), T_W_C->translation().y(), T_W_C->translation().z(), map_frame.c_str(), farthest_m);
   }
   return T_W_C;
+}
+
+/// For the memory of earlier pairs, in the first of the usual fixed frames (REP-105) that tf has at the stamp.
+std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Header& header) const {
+  for (const char* frame : {"odom", "map", "world"}) {
+    if (const auto T_W_C = transforms_.find(frame, header.frame_id, header.stamp)) return T_W_C;
+  }
+  return std::nullopt;
 }
 
 /// An empty image if the message is unreadable: the pipeline answers BAD_IMAGE.

@@ -85,6 +85,7 @@ class Processor {
   void watchLidar(const flight_corridor::RangeReading& reading);
   void explain(const StereoMessages& pair, const cv::Mat& right);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
+  std::optional<Eigen::Isometry3d> poseInAnyFrame(const std_msgs::Header& header) const;
   cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message, const sensor_msgs::CameraInfo& info);
 
   const NodeConfig config_;
@@ -104,7 +105,7 @@ class Processor {
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
-      pose_warning_, heading_warning_;
+      pose_warning_, heading_warning_, motion_warning_;
 };
 
 }  // namespace flight_corridor_ros

@@ -20,6 +20,7 @@ struct PairEvidence {
   const cv::Mat& depth_m;   ///< CV_32FC1, corrected, NaN = no match.
   const cv::Mat& textured;  ///< CV_8UC1, see Texture.
   const ClearRays& rays;
+  const EarlierPairs& earlier;  ///< What earlier pairs saw clear, from where the camera is now.
   const ScaleCorrection& correction;
   double nearest_m;  ///< Nothing nearer is matched.
 };

@@ -23,6 +23,11 @@ class ClearRays {
   void look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
             const ScaleCorrection& correction, BandWorkers& workers);
 
+  /// Up to which disparity each pixel's ray is clear, corrected, with noise, CV_32FC1; +inf: not clear. Whoever keeps
+  /// one may put another image of that size in its place before the next look().
+  cv::Mat& metLeft() { return met_left_px_; }
+  cv::Mat& metRight() { return met_right_px_; }
+
   /// Whether the ray of a left pixel, or that of the right camera to the same point, is clear there.
   /// @param at_px disparity of the point, corrected.  @param shift_px offset of the right pixel to the left of u.
   bool isClear(int u, int v, float at_px, int shift_px) const {

@@ -23,6 +23,7 @@ struct CorridorConfig {
   double max_unknown_fraction = 0.3;  ///< With more unobserved volume: UNKNOWN, even without a hole.
   double smallest_obstacle_m = 0.05;  ///< Edge of a square: the size of a patch, a hole or doubt.
   double hold_s = 0.25;    ///< No FREE for this long after BLOCKED, unless a large patch is seen to have gone.
+  double memory_s = 1.5;   ///< Space that earlier pairs saw clear counts as clear for so long; 0: not at all.
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };
 /// Every broken rule.

@@ -7,7 +7,9 @@
 #include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/motion/earlier_pairs.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
 
 namespace flight_corridor {
 
@@ -30,6 +32,13 @@ struct Unobserved {
 /// obstacle.
 constexpr double kHole = 1.6;
 
+/// What shows that space is clear; views.
+struct Absence {
+  const ClearRays& rays;             ///< Of the newest pair.
+  const DisparityEvidence& matches;  ///< Of the newest pair: where it shows something, earlier pairs are not asked.
+  const EarlierPairs& earlier;
+};
+
 /// Looks for holes: places in a box, at any depth, in which an obstacle could stand unseen. Depths are sampled. One
 /// object, one thread.
 class Holes {
@@ -40,7 +49,7 @@ class Holes {
   /// is unclear, but not a hole.  @param smallest_m edge of the smallest obstacle: holes are measured to a sixth of it,
   /// or to a pixel.
   /// @return the unobserved part of each direction's box, valid until the next call.
-  const std::vector<Unobserved>& find(const Fan& fan, const ClearRays& rays, const ScaleCorrection& correction,
+  const std::vector<Unobserved>& find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
                                       double from_m, double nearest_m, double smallest_m);
 
  private:
@@ -54,8 +63,10 @@ class Holes {
   /// A plane in the last pair's disparities.
   struct Place {
     float at_px = 0.0f;        // corrected disparity
+    float measured_px = 0.0f;  // as it is matched
     int shift_px = 0;          // from a left pixel to the right one
     bool is_searched = false;  // not too near to be matched
+    EarlierPairs::Plane earlier;  // as earlier pairs saw it
     int edge = 1;              // of a square that hides the smallest obstacle, in strides
   };
   /// Counts of a plane's pixels in one box.
@@ -69,16 +80,15 @@ class Holes {
   };
 
   void layOut(const Fan& fan, double from_m, double smallest_m);
-  Place place(const Plane& plane, const ScaleCorrection& correction, double nearest_m) const;
+  Place place(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction,
+              double nearest_m) const;
   /// Of pixels that both cameras see.
-  static bool isUnclear(int u, int v, const Place& place, const ClearRays& rays) {
-    return place.shift_px <= u && !(place.is_searched && rays.isClear(u, v, place.at_px, place.shift_px));
-  }
-  void findUnclear(const Plane& plane, const Place& place, const ClearRays& rays);
+  static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
+  void findUnclear(const Plane& plane, const Place& place, const Absence& absence);
   Look look(const Plane& plane, const Section& section, const Place& place) const;
-  Square search(const Plane& plane, const Place& place, int direction, const ClearRays& rays);
+  Square search(const Plane& plane, const Place& place, int direction, const Absence& absence);
   Unobserved measure(int direction) const;
-  void findHole(int direction, const ClearRays& rays, Unobserved& found);
+  void findHole(int direction, const Absence& absence, Unobserved& found);
 
   StereoGeometry geometry_;
   Fan fan_{Box()};

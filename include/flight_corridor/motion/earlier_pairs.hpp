@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <deque>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/motion/camera_motion.hpp"
+
+namespace flight_corridor {
+
+/// What earlier pairs saw clear: their clear rays, each with its pose, for places that the newest pair does not show
+/// (a history of views instead of a fused map: NanoMap, Florence et al. 2018). A place was clear if the rays of two
+/// earlier pairs were, so that one pair's mistake is not remembered. One object; was() may be asked from any thread.
+class EarlierPairs {
+ public:
+  explicit EarlierPairs(const StereoGeometry& geometry) : geometry_(geometry) {}
+
+  /// A pair's rays: where they are clear, by disparity, see ClearRays. They are exchanged for buffers of an older pair.
+  void add(double stamp_s, const CameraPose& pose, cv::Mat& met_left_px, cv::Mat& met_right_px);
+
+  /// From now on places are asked about as seen from this pose.
+  /// @param memory_s older pairs are forgotten.
+  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s);
+
+  bool empty() const { return views_.empty(); }
+
+  /// A plane of the camera at a depth, as earlier pairs see it.
+  class Plane {
+   public:
+    /// Whether the place of a pixel at the plane's depth was clear.
+    bool wasClear(int u, int v) const;
+
+   private:
+    friend class EarlierPairs;
+    struct View {
+      const cv::Mat *left, *right;
+      Eigen::Vector3f corner, along_u, along_v;  // homogeneous pixel of (0, 0) there, and what a pixel adds; z: depth [m]
+      float error_m;                             // one sigma of the place
+    };
+    std::vector<View> views_;
+    float focal_baseline_px_m_ = 0.0f, shift_px_ = 0.0f, focal_px_ = 0.0f;
+  };
+  Plane plane(double depth_m) const;
+
+ private:
+  struct Pair {
+    double stamp_s;
+    CameraPose pose;
+    cv::Mat met_left_px, met_right_px;
+  };
+  struct View {  // a pair as seen from now
+    const Pair* pair;
+    Eigen::Isometry3d T_E_C;
+    double sigma_m, sigma_rad;
+  };
+
+  StereoGeometry geometry_;
+  std::deque<Pair> pairs_;  // the oldest first
+  std::vector<View> views_;  // the newest first
+};
+
+}  // namespace flight_corridor
