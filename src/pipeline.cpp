@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "flight_corridor/corridor/sight.hpp"
 #include "flight_corridor/geometry/section.hpp"
 
 namespace flight_corridor {
@@ -79,7 +80,8 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       fan_inspector_(geometry),
       recent_block_(config.corridor.hold_s),
       motion_(geometry),
-      earlier_(geometry) {
+      earlier_(geometry),
+      obstacles_(config.map) {
   requireSight(config.corridor, geometry, nearestDepth());
 }
 
@@ -102,9 +104,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
     remember();
-    motion_.update(frame.stamp_s, pair_.left, disparity_.best_px, scale(),
-                   isPose(T_W_C) ? T_W_C : std::nullopt);
-    earlier_.moveTo(frame.stamp_s, motion_.pose(), config_.corridor.memory_s);
+    followMotion(isPose(T_W_C) ? T_W_C : std::nullopt);
     confirmRepeated(geometry_.disparity(validLidarDepth(boxInCamera())), scale(), disparity_);
   }
   {
@@ -151,6 +151,40 @@ void Pipeline::remember() {
   earlier_.add(judged_s_, *motion_.pose(), rays_.metLeft(), rays_.metRight());
 }
 
+/// A new series of poses has another frame.
+void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
+  const double stamp_s = report_.verdict.stamp_s;
+  motion_.update(stamp_s, pair_.left, disparity_.best_px, scale(), told_W_C);
+  const auto& pose = motion_.pose();
+  if (!pose || pose->series != series_) obstacles_.clear();
+  if (pose) series_ = pose->series;
+  earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
+}
+
+/// The frame of the camera's motion and that of the map differ by a rotation, at least: the box around the box.
+void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
+  if (!motion_.pose()) return obstacles_.clear();
+  const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
+  Eigen::AlignedBox3d box_V;
+  for (int corner = 0; corner < 8; ++corner) {
+    box_V.extend(T_V_M * box_M.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+  obstacles_.clear(box_V);
+}
+
+/// How far along a box an obstacle stood that the newest pair does not show; +inf: none is remembered.
+double Pipeline::rememberedObstacle(const Box& box_C) const {
+  if (!motion_.pose() || config_.corridor.memory_s <= 0.0) return kInfinity;
+  const auto distanceIn = [&](const octomap::OcTree& tree, const Eigen::Isometry3d& T_M_C) {
+    return cellsIn(tree, {T_M_C * box_C.T_M_F, box_C.size_m}, [&](const Eigen::Vector3d& centre_M) {
+             return sightOf(evidence(), geometry_, T_M_C.inverse() * centre_M, config_.map.resolution_m) !=
+                    Sight::Surface;
+           }).clear_distance_m;
+  };
+  const double distance_m = distanceIn(obstacles_.tree(), motion_.pose()->T_M_C);
+  return remembers() ? std::min(distance_m, distanceIn(map_.tree(), T_M_C_)) : distance_m;
+}
+
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules only the beam, but
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
@@ -191,6 +225,10 @@ void Pipeline::decide() {
   BandWorkers& workers = disparity_estimator_.workers();
   workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
+  if (report_.lidar_range_valid) {
+    const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
+    rays_.clearPlainSurface(disparity_, left_texture_.mask(), range_tracker_.point(met_m));
+  }
   const BoxEvidence& shown =
       inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, isLidarValid(box_C), workers).front();
   box_reasons_ = reasonsOf(shown, corridor, verdict.clear_distance_m);
@@ -201,7 +239,7 @@ void Pipeline::decide() {
   if (!motion_.pose()) verdict.reasons |= kNoMotion;
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
   verdict.block(kShortRange, beamEndInBox(box_C));
-  if (remembers()) verdict.block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m);
+  verdict.block(kOccupiedCell, rememberedObstacle(box_C));
   if (stateOf(verdict.reasons) == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
@@ -210,7 +248,21 @@ void Pipeline::decide() {
   verdict.state = stateOf(verdict.reasons);
   verdict.free_distance_m = freeDistance(verdict, shown, corridor, box_C);
   report_.clears = clears_ = isTrusted();
+  updateObstacles();
   judged_s_ = verdict.stamp_s;
+}
+
+void Pipeline::updateObstacles() {
+  const auto& pose = motion_.pose();
+  if (!pose) return;
+  const Eigen::Isometry3d T_C_V = pose->T_M_C.inverse();
+  obstacles_.update(report_.verdict.stamp_s, [&](const Eigen::Vector3d& centre_V) {
+    return sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m);
+  });
+  if (image_faults_ != 0) return;
+  std::vector<Eigen::Vector3d> points_V;
+  for (const Eigen::Vector3d& p_C : inspector_.blocking()) points_V.push_back(pose->T_M_C * p_C);
+  obstacles_.add(points_V, report_.verdict.stamp_s);
 }
 
 void Pipeline::setCorridor(const CorridorConfig& corridor) {

@@ -69,9 +69,9 @@ Verdict Pipeline::query(const Box& box) const {
     verdict.unknown_fraction = std::max(verdict.unknown_fraction, unknown);
     if (unknown > kMostUnknown) verdict.reasons |= kUnobserved;
   }
+  verdict.block(kOccupiedCell, rememberedObstacle(box_C));
   if (remembers()) {
     const BoxCells remembered = cellsIn(map().tree(), box);
-    verdict.block(kOccupiedCell, remembered.clear_distance_m);
     if (!is_cleared_) unknown = std::min(unknown, remembered.unknown_fraction);
     verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
     const bool is_known = !unobserved.hasHole() && unknown <= kMostUnknown;
@@ -107,8 +107,7 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
     if (is_cleared_) verdict.reasons |= kUnobserved;
     verdict.unknown_fraction = shown[i].unobserved.fraction;
     verdict.block(kShortRange, beamEndInBox(box_C));
-    if (remembers())
-      verdict.block(kOccupiedCell, cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}).clear_distance_m);
+    verdict.block(kOccupiedCell, rememberedObstacle(box_C));
     verdict.state = stateOf(verdict.reasons);
     verdict.free_distance_m = freeDistance(verdict, shown[i], config_.corridor, box_C);
   }

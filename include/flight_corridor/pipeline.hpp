@@ -12,6 +12,7 @@
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
+#include "flight_corridor/map/obstacle_memory.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/motion/camera_motion.hpp"
 #include "flight_corridor/motion/earlier_pairs.hpp"
@@ -92,7 +93,11 @@ class Pipeline {
     map();
     map_.clear(box_M);
     is_cleared_ = true;
+    clearMemory(box_M);
   }
+
+  /// Obstacles that stood in the corridor, which its box is tested against; in the frame of the camera's motion.
+  ObstacleMemory& obstacles() { return obstacles_; }
 
   /// Points the corridor along +x of F from now on.
   void pointAlong(const Eigen::Isometry3d& T_C_F) { rig_.T_C_F = T_C_F; }
@@ -140,6 +145,10 @@ class Pipeline {
   const Report& refuse(std::uint32_t reasons);
   void trackRange();
   void remember();
+  void followMotion(const std::optional<Eigen::Isometry3d>& told_W_C);
+  void clearMemory(const Eigen::AlignedBox3d& box_M);
+  double rememberedObstacle(const Box& box_C) const;
+  void updateObstacles();
   void updateMap() const;
   void decide();
   PairEvidence evidence() const;
@@ -167,6 +176,8 @@ class Pipeline {
   RecentBlock recent_block_;
   CameraMotion motion_;
   EarlierPairs earlier_;
+  ObstacleMemory obstacles_;  // in the frame of motion_'s present series
+  int series_ = 0;
   bool clears_ = false;    // the free space of the last pair that was judged
   double judged_s_ = kNaN;  // ... and its stamp
 

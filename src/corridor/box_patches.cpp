@@ -37,6 +37,7 @@ const std::vector<std::vector<BoxPatch>>& BoxPatches::find(const Fan& fan, const
   sort();
   found_.resize(fan.size());
   for (std::vector<BoxPatch>& patches : found_) patches.clear();
+  blocking_C_.clear();
   for (std::size_t patch = 0; patch + 1 < begins_.size(); ++patch) {
     Point *first = sorted_.data() + begins_[patch], *end = sorted_.data() + begins_[patch + 1];
     fitPlanes(first, end, fit(first, end), smallest_m);
@@ -131,6 +132,16 @@ void BoxPatches::measure(const Fan& fan, const Point* first, const Point* end, d
     if (!(sum.around_m2 > 0.0)) continue;
     if (sum.in_box_px > 0) sum.begin_m = std::clamp<double>(sum.begin_m, 0.0, size_m.x());
     found_[direction].push_back(sum);
+    if (direction == 0 && sum.blocks(smallest_m * smallest_m)) keep(fan, first, end);
+  }
+}
+
+/// A patch's points in the first direction's box.
+void BoxPatches::keep(const Fan& fan, const Point* first, const Point* end) {
+  for (const Point* point = first; point != end; ++point) {
+    if (!fan.contains(fan.turned(0, point->hit_F))) continue;
+    blocking_C_.push_back(
+        geometry_.point(point->u, point->v, geometry_.depth(point->disparity_px + kMatchNoise_px)));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "flight_corridor/stereo/match_error.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
@@ -16,6 +17,9 @@ namespace {
 constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
 constexpr int kBands = 8;       // of rows, side by side
 constexpr int kEndMatches = 3;  // beside a run without texture, at least
+constexpr int kFaintEdge_px = 7;          // an edge has gaps so wide
+constexpr double kSteepest = 1.7320508;   // tan(60 deg): slope of a surface that the LiDAR still ranges
+constexpr float kOtherSurface_px = 1.0f;  // a match that is nearer by more shows another surface
 
 }  // namespace
 
@@ -34,6 +38,38 @@ void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, con
       clearTexturelessRuns(v, evidence, left.ptr(v), right.ptr(v));
     }
   });
+}
+
+/// An edge that is fainter in places still parts two surfaces: the texture is grown before the region is, and the region
+/// grown back.
+void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
+                                  const Eigen::Vector3d& met_C) {
+  const Eigen::Vector2d at_px = geometry_.project(met_C);
+  if (!geometry_.contains(at_px)) return;
+  const cv::Point beam(static_cast<int>(std::lround(at_px.x())), static_cast<int>(std::lround(at_px.y())));
+  const cv::Mat grown = cv::Mat::ones(kFaintEdge_px, kFaintEdge_px, CV_8UC1);
+  cv::dilate(textured, closed_, grown);
+  if (closed_.at<std::uint8_t>(beam)) return;
+  region_ = cv::Mat::zeros(closed_.rows + 2, closed_.cols + 2, CV_8UC1);
+  cv::Rect around;
+  cv::floodFill(closed_, region_, beam, 0, &around, 0, 0, 4 | 255 << 8 | cv::FLOODFILL_MASK_ONLY);
+  const cv::Rect inner({1, 1}, closed_.size());
+  cv::dilate(region_(inner), closed_, grown);
+  around = (around + cv::Size(2 * kFaintEdge_px, 2 * kFaintEdge_px) - cv::Point(kFaintEdge_px, kFaintEdge_px)) &
+           cv::Rect({0, 0}, closed_.size());
+  const Eigen::Vector2d beam_ray = met_C.head<2>() / met_C.z();
+  for (int v = around.y; v < around.br().y; ++v) {
+    auto* met_px = met_left_px_.ptr<float>(v);
+    const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
+    for (int u = around.x; u < around.br().x; ++u) {
+      if (!closed_.at<std::uint8_t>(v, u) || textured.at<std::uint8_t>(v, u)) continue;
+      const double off = (geometry_.point(u, v, 1.0).head<2>() - beam_ray).norm();
+      const auto clear_px =
+          static_cast<float>(geometry_.disparity(met_C.z() / (1.0 + kSteepest * off)) + kMatchNoise_px);
+      const float match_px = std::isnan(best[u]) ? repeated[u] : best[u];
+      if (!(match_px > clear_px + kOtherSurface_px)) met_px[u] = std::min(met_px[u], clear_px);
+    }
+  }
 }
 
 /// The right camera's ray meets the nearest match there.

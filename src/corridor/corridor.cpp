@@ -35,7 +35,8 @@ Violations check(const CorridorConfig& config) {
 double smallestInspected(const CorridorConfig& config) { return std::max(config.smallest_obstacle_m, kSmallest_m); }
 
 /// Leaves that meet the box, and of a pruned one its cells.
-BoxCells cellsIn(const octomap::OcTree& tree, const Box& box) {
+BoxCells cellsIn(const octomap::OcTree& tree, const Box& box,
+                 const std::function<bool(const Eigen::Vector3d& centre_M)>& counts) {
   const double cell_m = tree.getResolution();
   const Eigen::Vector3d reach_M = 0.5 * (box.T_M_F.linear().cwiseAbs() * box.size_m);
   const auto corner = [&](double side) {
@@ -66,6 +67,7 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box) {
           const bool is_in = contains(box.size_m, T_F_M * cell_M);
           known += is_in;
           if (!is_occupied || !(is_in || (is_thin && intersects(box, cell_M, cell_m)))) continue;
+          if (!counts(cell_M)) continue;
           const double begin_m = forward_M.dot(cell_M - box.T_M_F.translation()) - half_cell_m;
           cells.clear_distance_m = std::min(cells.clear_distance_m, std::max(0.0, begin_m));
         }

@@ -22,7 +22,7 @@ constexpr float kBack_px = 0.5f;      // a corner that is tracked back comes hom
 constexpr double kReprojection_px = 1.0;  // of a corner that agrees with a motion
 constexpr int kLeastInliers = 20;
 constexpr double kLeastShare = 0.5;      // of the corners that were found again
-constexpr double kOtherSurface_px = 1.0;  // a match that differs by more is of another surface
+constexpr double kAnotherSurface_px = 1.0;  // a match that differs by more is of another surface
 constexpr int kSteps = 4;
 constexpr double kAlike = 3.0;    // errors of corners are alike: their mean is less certain than were they independent
 constexpr double kOfWay = 0.01;   // of the way from the key image: bias of the disparities
@@ -146,7 +146,7 @@ VisualOdometry::Normal VisualOdometry::refine(Eigen::Isometry3d& T_C_K) const {
       Eigen::Vector3d off_px = corner.seen_px - expected_px;
       Eigen::Matrix3d covariance = moved_px * moved_px.transpose();
       covariance.diagonal() += Eigen::Vector3d(kTracking_px * kTracking_px, kTracking_px * kTracking_px, kDepth_px * kDepth_px);
-      const bool is_matched = std::abs(off_px.z()) <= kOtherSurface_px;  // else NaN, or of another surface
+      const bool is_matched = std::abs(off_px.z()) <= kAnotherSurface_px;  // else NaN, or of another surface
       if (!is_matched) {
         off_px.z() = 0.0;
         covariance.row(2).setZero();

@@ -48,6 +48,8 @@ class BoxInspector {
 
   /// CV_8UC1, 255: pixels that are matched behind the first direction's box, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
+  /// Points of the patches that block the first direction's box, in C [m].
+  const std::vector<Eigen::Vector3d>& blocking() const { return patches_.blocking(); }
 
  private:
   BoxPatches patches_;

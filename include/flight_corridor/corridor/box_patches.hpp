@@ -36,6 +36,9 @@ class BoxPatches {
   const std::vector<std::vector<BoxPatch>>& find(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& textured,
                                                  double nearest_m, double smallest_m, double beside_m = kBeside_m);
 
+  /// Points of the patches that block the first direction's box, in C [m]; valid until the next call.
+  const std::vector<Eigen::Vector3d>& blocking() const { return blocking_C_; }
+
  private:
   /// A match in or near a box.
   struct Point {
@@ -52,6 +55,7 @@ class BoxPatches {
   void label();
   void sort();
   void measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m);
+  void keep(const Fan& fan, const Point* first, const Point* end);
   static void fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m);
   static Plane fit(const Point* first, const Point* end);
 
@@ -61,6 +65,7 @@ class BoxPatches {
   std::vector<int> patch_, begins_;       // a point: another of the same patch, itself at the root; then the patch
   std::vector<BoxPatch> sums_;            // of one patch, a direction
   std::vector<std::vector<BoxPatch>> found_;
+  std::vector<Eigen::Vector3d> blocking_C_;
 };
 
 }  // namespace flight_corridor

@@ -23,6 +23,12 @@ class ClearRays {
   void look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
             const ScaleCorrection& correction, BandWorkers& workers);
 
+  /// What the LiDAR's beam tells of a surface without texture: the connected textureless region in which it ends is one
+  /// surface without a step, which slopes by at most 60 degrees. At an angle a from the beam it is no nearer than
+  /// Z / (1 + tan(60 deg) tan(a)). Not where it is matched nearer than that.
+  /// @param evidence, textured as of the last look().  @param met_C where the beam ends, in C [m].
+  void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured, const Eigen::Vector3d& met_C);
+
   /// Up to which disparity each pixel's ray is clear, corrected, with noise, CV_32FC1; +inf: not clear. Whoever keeps
   /// one may put another image of that size in its place before the next look().
   cv::Mat& metLeft() { return met_left_px_; }
@@ -43,6 +49,7 @@ class ClearRays {
 
   StereoGeometry geometry_;
   double first_px_;  // smallest disparity searched
+  cv::Mat closed_, region_;  // of the beam's surface
   cv::Mat met_left_px_,
       met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, with noise; +inf: not clear
 };

@@ -3,6 +3,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <string>
 
 #include "flight_corridor/geometry/box.hpp"
@@ -37,7 +38,10 @@ struct BoxCells {
   double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell.
   double unknown_fraction = 1.0;        ///< Share of unknown cells; 1 for a box thinner than a cell.
 };
-BoxCells cellsIn(const octomap::OcTree& tree, const Box& box);
+/// @param counts whether an occupied cell counts, by its centre.
+BoxCells cellsIn(
+    const octomap::OcTree& tree, const Box& box,
+    const std::function<bool(const Eigen::Vector3d& centre_M)>& counts = [](const auto&) { return true; });
 
 /// The configured box, margin and offset applied, in a frame M.
 /// @param T_M_F frame that the corridor belongs to (x forward) in M.
