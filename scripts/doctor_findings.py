@@ -236,6 +236,12 @@ def idle_guard(seen):
             "corridor_guard.launch's argument cmd_vel." for topic in seen.commands_out if not topic.listeners]
 
 
+def other_senders(seen):
+    return [f"{topic.name} has {len(topic.publishers)} senders, {', '.join(topic.publishers)}: what passes by "
+            "corridor_guard is not limited. Leave one, and remap the others to its cmd_vel_in."
+            for topic in seen.commands_out if len(topic.publishers) > 1]
+
+
 def unknown_verdicts(seen):
     unknown = [reasons for state, reasons in seen.reasons if state == "UNKNOWN"]
     if not seen.reasons or 2 * len(unknown) <= len(seen.reasons):
@@ -247,7 +253,7 @@ def unknown_verdicts(seen):
 
 
 FINDINGS = [no_node, missing_images, stamps_apart, infos_apart, bad_calibration, missing_transforms, clocks_apart, low_rate,
-            silent_lidar, nobody_listens, idle_guard, unknown_verdicts]
+            silent_lidar, nobody_listens, idle_guard, other_senders, unknown_verdicts]
 
 
 def examine(seen):

@@ -53,25 +53,25 @@ struct Kind {
 const Kind& kindOf(const std::string& camera) {
   static const std::map<std::string, Kind> kinds{
       {"zed",
-       {{"/zed2i/zed_node/left/image_rect_gray", "/zed2i/zed_node/left/camera_info", "zed2i_left_camera_optical_frame",
+       {{"zed2i/zed_node/left/image_rect_gray", "zed2i/zed_node/left/camera_info", "zed2i_left_camera_optical_frame",
          "zed2i_left_camera_optical_frame"},
-        {"/zed2i/zed_node/right/image_rect_gray", "/zed2i/zed_node/right/camera_info",
-         "zed2i_right_camera_optical_frame", "zed2i_right_camera_optical_frame"},
+        {"zed2i/zed_node/right/image_rect_gray", "zed2i/zed_node/right/camera_info", "zed2i_right_camera_optical_frame",
+         "zed2i_right_camera_optical_frame"},
         "mono8",
         "zed2i_left_camera_frame",
         {{640, 360}, 265.0, 265.0, 322.0, 178.0, 322.0, 0.12}}},
       {"realsense",
-       {{"/camera/infra1/image_rect_raw", "/camera/infra1/camera_info", "camera_infra1_optical_frame",
+       {{"camera/infra1/image_rect_raw", "camera/infra1/camera_info", "camera_infra1_optical_frame",
          "camera_infra1_optical_frame"},
-        {"/camera/infra2/image_rect_raw", "/camera/infra2/camera_info", "camera_infra2_optical_frame",
+        {"camera/infra2/image_rect_raw", "camera/infra2/camera_info", "camera_infra2_optical_frame",
          "camera_infra1_optical_frame"},
         "mono8",
         "camera_infra1_frame",
         {{848, 480}, 425.0, 425.0, 424.0, 240.0, 424.0, 0.05}}},
       {"oakd",
-       {{"/oak/left/image_raw", "/oak/left/camera_info", "oak_left_camera_optical_frame",
+       {{"oak/left/image_raw", "oak/left/camera_info", "oak_left_camera_optical_frame",
          "oak_left_camera_optical_frame"},
-        {"/oak/right/image_raw", "/oak/right/camera_info", "oak_right_camera_optical_frame",
+        {"oak/right/image_raw", "oak/right/camera_info", "oak_right_camera_optical_frame",
          "oak_right_camera_optical_frame"},
         "mono8",
         "oak_left_camera_frame",
@@ -79,10 +79,10 @@ const Kind& kindOf(const std::string& camera) {
         false,
         0.001}},
       {"euroc",
-       {{"/cam0/image_raw", "", "cam0", ""}, {"/cam1/image_raw", "", "cam1", ""}, "mono8", "base_link", {}, true}},
+       {{"cam0/image_raw", "", "cam0", ""}, {"cam1/image_raw", "", "cam1", ""}, "mono8", "base_link", {}, true}},
       {"raw_stereo",
-       {{"/stereo/left/image_raw", "/stereo/left/camera_info", "left_optical", "left_optical"},
-        {"/stereo/right/image_raw", "/stereo/right/camera_info", "right_optical", "right_optical"},
+       {{"stereo/left/image_raw", "stereo/left/camera_info", "left_optical", "left_optical"},
+        {"stereo/right/image_raw", "stereo/right/camera_info", "right_optical", "right_optical"},
         "bayer_rggb8",
         "base_link",
         {},
@@ -239,10 +239,10 @@ class Cameras : public testing::Test {
   double wall_m_ = kNear_m;
   std::string log_;
   static std::uint64_t seed_;
-  ros::Publisher ranges_ = node_.advertise<sensor_msgs::Range>("/range", 5);
+  ros::Publisher ranges_ = node_.advertise<sensor_msgs::Range>("range", 5);
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   ros::Subscriber verdicts_ = node_.subscribe<CorridorState>(
-      "/flight_corridor/corridor", 10, [this](const CorridorState::ConstPtr& message) { newest_ = *message; });
+      "flight_corridor/corridor", 10, [this](const CorridorState::ConstPtr& message) { newest_ = *message; });
   ros::Subscriber logs_ = node_.subscribe<rosgraph_msgs::Log>(
       "/rosout", 100, [this](const rosgraph_msgs::Log::ConstPtr& message) { log_ += message->msg + "\n"; });
 };
@@ -254,9 +254,9 @@ std::uint64_t Cameras::seed_ = 0;
 TEST_F(Cameras, WithoutCalibrationTheNodeSaysWhatToDo) {
   if (camera_ != "raw_stereo") GTEST_SKIP() << "rectified by the driver, or its calibration is shipped";
   lookAtWall(kNear_m);
-  EXPECT_TRUE(logSays("No CameraInfo on /stereo/left/camera_info, /stereo/right/camera_info. Calibrate", [] {}));
-  EXPECT_TRUE(logSays("Not calibrated (K or P is 0): /stereo/left/camera_info, /stereo/right/camera_info. Calibrate",
-                      [this] { send(false); }));
+  const std::string infos = node_.resolveName(kind_.left.info) + ", " + node_.resolveName(kind_.right.info);
+  EXPECT_TRUE(logSays("No CameraInfo on " + infos + ". Calibrate", [] {}));
+  EXPECT_TRUE(logSays("Not calibrated (K or P is 0): " + infos + ". Calibrate", [this] { send(false); }));
 }
 
 TEST_F(Cameras, ANearWallBlocks) {
@@ -280,7 +280,7 @@ TEST_F(Cameras, InTheNodeletManagerNoImageIsSerialised) {
   if (!kind_.is_raw) GTEST_SKIP() << "its driver is another process";
   XmlRpc::XmlRpcValue name, manager, bus, payload;
   name[0] = ros::this_node::getName();
-  name[1] = "/stereo_manager";
+  name[1] = node_.resolveName("stereo_manager");
   ASSERT_TRUE(ros::master::execute("lookupNode", name, manager, payload, false));
   std::string host;
   std::uint32_t port = 0;

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The doctor calls a healthy system, flown by the guard alone, well; it names a missing frame, and who is not heard."""
 
+import os
 import subprocess
 import time
 import unittest
@@ -14,10 +15,11 @@ from wall_rig import CAMERA, LIDAR, WallRig
 PATIENCE_S = 30.0  # a loaded machine may need seconds for a first answer
 
 
-def examine():
+def examine(*arguments, namespace="/"):
     """Exit code and output of the doctor."""
-    done = subprocess.run(["rosrun", "flight_corridor", "doctor", "--seconds", "4"], stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, check=False)
+    done = subprocess.run(["rosrun", "flight_corridor", "doctor", "--seconds", "4", *arguments], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False,
+                          env={**os.environ, "ROS_NAMESPACE": namespace})
     return done.returncode, done.stdout
 
 
@@ -45,8 +47,21 @@ class Doctor(unittest.TestCase):
         code, output = examine()
         self.assertEqual(code, 0, output)
         self.assertIn("All is well.", output)
+        for arguments in ([], ["--node", "flight_corridor"]):
+            code, output = examine(*arguments, namespace="/uav2")
+            self.assertIn("No node publishes a verdict", output)
+        code, output = examine("--node", "/flight_corridor", namespace="/uav2")
+        self.assertIn("/flight_corridor/corridor ", output)
 
-    def test_3_a_guard_that_nobody_obeys_is_named(self):
+    def test_3_another_sender_to_the_autopilot_is_named(self):
+        other = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
+        code, output = examine()
+        other.unregister()
+        self.assertEqual(code, 1, output)
+        self.assertIn("/cmd_vel has 2 senders, /corridor_guard, %s" % rospy.get_name(), output)
+        self.assertIn("Findings: 1.", output)
+
+    def test_4_a_guard_that_nobody_obeys_is_named(self):
         self.autopilot.unregister()
         code, output = examine()
         self.assertEqual(code, 1, output)

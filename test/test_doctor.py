@@ -181,6 +181,11 @@ class Doctor(unittest.TestCase):
         seen.commands_in[0].publishers, seen.commands_out[0].listeners = ["/planner"], []
         self.finds(seen, "Nobody listens to /cmd_vel from /corridor_guard: it stops nobody")
 
+    def test_somebody_else_sends_to_the_autopilot(self):
+        seen = healthy()
+        seen.commands_out = [Topic("/cmd_vel", ["/corridor_guard", "/joystick"], ["/mavros"])]
+        self.finds(seen, "/cmd_vel has 2 senders, /corridor_guard, /joystick: what passes by corridor_guard")
+
     def test_tf_lacks_the_goals_frame(self):
         seen = healthy()
         seen.goal = heard("/goal_direction", message("odom"))

@@ -64,6 +64,16 @@ TEST_F(GoalDirectionTest, IsAUnitVectorInTheCamerasFrame) {
   EXPECT_TRUE(direction_C->isApprox(Eigen::Vector3d(-1.0, 0.0, 0.0)));
 }
 
+TEST_F(GoalDirectionTest, IsThatOfEveryFiniteVectorHoweverLongOrShort) {
+  for (const double length : {1e-320, 1e-200, 1e-7, 1.0, 1e200, 1.7e308}) {
+    GoalDirection fresh(transforms);
+    fresh.put(wish("base_link", {length, length, 0.0}), kNow);
+    const auto direction_C = fresh.find(camera);
+    ASSERT_TRUE(direction_C) << length;
+    EXPECT_TRUE(direction_C->isApprox(Eigen::Vector3d(-M_SQRT1_2, 0.0, M_SQRT1_2))) << length;
+  }
+}
+
 TEST_F(GoalDirectionTest, OfAFixedFrameStaysThereWhileTheUavTurns) {
   goal.put(wish("odom", {1.0, 0.0, 0.0}), kNow);
   for (const double left_rad : {0.0, 0.5}) {

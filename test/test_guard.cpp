@@ -165,6 +165,56 @@ TEST_F(GuardTest, WhileItTurnsTheDirectionsThatItTurnedThroughCount) {
   EXPECT_EQ(turning(3.0), 0.0) << "beside the grid";
 }
 
+/// A turn to the left at 1 rad/s for half a second, an image at its end, then straight ahead at 3 m/s, 0.2 s later.
+class GuardAfterATurn : public GuardTest {
+ protected:
+  GuardAfterATurn() {
+    areas.safe_speed[indexOf(0, 2)] = 0.3;
+    command(1.0, 0.0);
+    wait(0.5);
+    see();
+    wait(0.19);
+  }
+
+  double command(double yaw_rate_rad_s, double speed_mps) {
+    geometry_msgs::TwistStamped command;
+    command.twist.linear.x = speed_mps;
+    command.twist.angular.z = yaw_rate_rad_s;
+    guard.command(command, time);
+    return out().linear.x;
+  }
+  Eigen::Quaterniond heading(double left_rad) const {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(left_rad, Eigen::Vector3d::UnitZ()));
+  }
+  ros::Time ago(double seconds) const { return time.now - ros::Duration(seconds); }
+};
+
+TEST_F(GuardAfterATurn, WhatTheTurnMayHaveReachedCountsWithoutAnAttitude) {
+  EXPECT_EQ(command(0.0, 3.0), 0.3);
+  wait(0.5);
+  see();
+  wait(0.19);
+  EXPECT_EQ(command(0.0, 3.0), 2.0) << "the turn is over";
+}
+
+TEST_F(GuardAfterATurn, TheMeasuredTurnCountsAlsoWhereNoneIsCommanded) {
+  guard.seeImu(ago(0.69), heading(2.0));
+  for (double s = 0.25; s > 0.0; s -= 0.05) guard.seeImu(ago(s), heading(2.5 - s));
+  EXPECT_EQ(command(0.0, 3.0), 0.3);
+}
+
+TEST_F(GuardAfterATurn, AUavThatIsMeasuredNotToTurnFlies) {
+  for (double s = 0.65; s > 0.0; s -= 0.05) guard.seeTf(ago(s), heading(2.5));
+  guard.seeTf(time.now, heading(2.5));
+  EXPECT_EQ(command(0.0, 3.0), 2.0);
+}
+
+TEST_F(GuardAfterATurn, AnAttitudeThatStoppedIsContinuedAsCommanded) {
+  guard.seeImu(ago(0.25), heading(2.5));
+  guard.seeImu(ago(0.18), heading(2.5));
+  EXPECT_EQ(command(0.0, 3.0), 0.3);
+}
+
 TEST_F(GuardTest, AnOldVerdictStops) {
   EXPECT_GT(speedOf(fly(1.0)), 0.0);
   wait(0.19);
@@ -294,11 +344,14 @@ TEST(GuardParameters, EveryBrokenRuleIsNamedAtOnce) {
                      {"max_age_s", std::nan("")},
                      {"command_age_s", -1.0},
                      {"frame_id", std::string("/")},
+                     {"turn_delay_s", 3.0},
+                     {"gravity_frame", std::string()},
                      {"stamped", 1},
                      {"speed", 2.0}});
     FAIL();
   } catch (const std::invalid_argument& error) {
-    for (const char* key : {"rate_hz", "max_age_s", "command_age_s", "frame_id", "stamped", "speed"}) {
+    for (const char* key :
+         {"rate_hz", "max_age_s", "command_age_s", "frame_id", "turn_delay_s", "gravity_frame", "stamped", "speed"}) {
       EXPECT_TRUE(contains(error.what(), std::string(key) + ": ")) << error.what();
     }
   }

@@ -13,15 +13,17 @@ void GoalDirection::put(const geometry_msgs::Vector3Stamped& message, const ros:
   const std::lock_guard<std::mutex> lock(mutex_);
   const Eigen::Vector3d direction(message.vector.x, message.vector.y, message.vector.z);
   const std::string frame = withoutSlash(message.header.frame_id);
-  const double norm = direction.norm(), age_s = now.toSec() - message.header.stamp.toSec();
+  const double largest = direction.cwiseAbs().maxCoeff(), age_s = now.toSec() - message.header.stamp.toSec();
   if (frame.empty()) return refuse("it names no frame (header.frame_id)");
-  if (!(1e-6 <= norm && std::isfinite(norm))) return refuse("its vector has no direction");
+  if (!direction.allFinite() || largest == 0.0) {
+    return refuse("its vector has no direction: it is zero, or a number of it is NaN or infinite");
+  }
   if (!message.header.stamp.isZero() && !(std::abs(age_s) <= flight_corridor::kLongestDelay_s)) {
     return refuse("it is " + describeAge(age_s) + ", outside +-" + std::to_string(flight_corridor::kLongestDelay_s) +
                   " s: stamp it when it is sent, or with 0");
   }
   frame_ = frame;
-  direction_ = direction / norm;
+  direction_ = (direction / largest).normalized();  // the square of a large or small number is none
 }
 
 void GoalDirection::refuse(const std::string& why) {

@@ -62,16 +62,21 @@ GuardConfig makeGuardConfig(const Values& values) {
                                                        {"frame_id", &config.frame_id},
                                                        {"rate_hz", &config.rate_hz},
                                                        {"max_age_s", &config.max_age_s},
-                                                       {"command_age_s", &config.command_age_s}});
+                                                       {"command_age_s", &config.command_age_s},
+                                                       {"turn_delay_s", &config.turn_delay_s},
+                                                       {"gravity_frame", &config.gravity_frame}});
   const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {
     if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
   };
   config.frame_id = withoutSlash(config.frame_id);
+  config.gravity_frame = withoutSlash(config.gravity_frame);
   require(!config.frame_id.empty(), "frame_id", "a frame's name", config.frame_id);
+  require(!config.gravity_frame.empty(), "gravity_frame", "a frame's name", config.gravity_frame);
   require(1.0 <= config.rate_hz && config.rate_hz <= 200.0, "rate_hz", "1 to 200", config.rate_hz);
   require(0.0 < config.max_age_s && config.max_age_s <= 5.0, "max_age_s", "above 0, up to 5", config.max_age_s);
   require(0.0 < config.command_age_s && config.command_age_s <= 5.0, "command_age_s", "above 0, up to 5",
           config.command_age_s);
+  require(0.0 <= config.turn_delay_s && config.turn_delay_s <= 2.0, "turn_delay_s", "0 to 2", config.turn_delay_s);
   flight_corridor::throwIfBroken(broken);
   return config;
 }
@@ -90,6 +95,8 @@ void Guard::take(const Message& message, const GuardTime& time, Latest<Message>&
 void Guard::command(const geometry_msgs::TwistStamped& command, const GuardTime& time) {
   command_ = {command, time.steady_s, true};
   if (command.header.stamp.isZero()) command_.message.header.stamp = time.now;
+  const double yaw_rate_rad_s = command.twist.angular.z;
+  if (std::isfinite(yaw_rate_rad_s)) turn_.commanded.add(time.now, yaw_rate_rad_s);
 }
 
 /// By its stamp or its arrival, whichever is farther from now; +inf: no message came.
@@ -145,7 +152,7 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
   if (speed_mps == 0.0) return out;
   const double yaw_rad = std::atan2(wanted.y(), wanted.x());
   const double pitch_rad = std::atan2(wanted.z(), std::hypot(wanted.x(), wanted.y()));
-  const double safe_mps = safeSpeed(yaw_rad, pitch_rad, command.twist.angular.z, time, out.why);
+  const double safe_mps = safeSpeed(yaw_rad, pitch_rad, time, out.why);
   const double share = std::min(1.0, safe_mps / speed_mps);
   if (share < 1.0 && out.why.empty()) {
     const bool is_stop = safe_mps == 0.0;
@@ -160,10 +167,9 @@ GuardedCommand Guard::limited(const GuardTime& time) const {
   return out;
 }
 
-/// The least of all directions of the grid within reach of this one, and of those that it turned through since their
-/// image; straight ahead also of the corridor, which knows more.
-double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
-                        std::string& why) const {
+/// The least of all directions of the grid within reach of this one, and of those that the UAV turned through since
+/// their image; straight ahead also of the corridor, which knows more.
+double Guard::safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const {
   const FreeAreas& areas = areas_.message;
   why = faultOf(areas_, "free_areas", time);
   if (why.empty() && !isComplete(areas)) {
@@ -171,8 +177,8 @@ double Guard::safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s
   }
   if (!why.empty()) return 0.0;
   const double step_rad = stepOf(areas);
-  const double turned_rad = turn_rate_rad_s * std::max(0.0, time.now.toSec() - areas.header.stamp.toSec());
-  const double rightmost_rad = yaw_rad + std::min(0.0, turned_rad), leftmost_rad = yaw_rad + std::max(0.0, turned_rad);
+  const TurnRange turned = turn_.since(areas.header.stamp, time.now);
+  const double rightmost_rad = yaw_rad + turned.right_rad, leftmost_rad = yaw_rad + turned.left_rad;
   double right_rad = flight_corridor::kInfinity, left_rad = flight_corridor::kInfinity;  // to the nearest direction
   double safe_mps = flight_corridor::kInfinity;
   bool is_ahead = false;

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "ros/guard_turn.hpp"
 #include "ros/values.hpp"
 
 namespace flight_corridor_ros {
@@ -18,6 +19,8 @@ struct GuardConfig {
   double rate_hz = 20.0;               ///< Rate of the outgoing commands, whatever comes in.
   double max_age_s = 0.2;              ///< An older verdict does not count.
   double command_age_s = 0.5;          ///< An older command does not count.
+  double turn_delay_s = 0.2;           ///< A UAV whose attitude is not known may turn on for so long as commanded.
+  std::string gravity_frame = "odom";  ///< A fixed frame of tf, z up.
 };
 
 /// Configuration with these values, defaults elsewhere.
@@ -38,15 +41,20 @@ struct GuardedCommand {
 
 /// Limits a velocity to the safe speed of the direction in which it points. Commands are in the corridor's frame: x
 /// along its axis, y left, z up. Commands outside the directions of free_areas (aside, back, steeply up or down) are
-/// stopped; turning always passes. No verdict, or an old one, allows no speed; no command, or an old one, is a stop.
+/// stopped; turning always passes. A direction counts as far as the UAV has turned since the image that judged it, by
+/// its measured attitude, else as commanded at worst. No verdict, or an old one, allows no speed; no command, or an old
+/// one, is a stop.
 class Guard {
  public:
-  explicit Guard(const GuardConfig& config) : config_(config) {}
+  explicit Guard(const GuardConfig& config) : config_(config), turn_(config.turn_delay_s) {}
 
   void see(const flight_corridor::FreeAreas& areas, const GuardTime& time);
   void see(const flight_corridor::CorridorState& corridor, const GuardTime& time);
   /// @param command with a stamp of 0: it counts from now on.
   void command(const geometry_msgs::TwistStamped& command, const GuardTime& time);
+  /// Attitudes of a frame that is fixed to the UAV, in a fixed frame, z up.
+  void seeImu(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) { turn_.by_imu.add(stamp, R_W_B); }
+  void seeTf(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) { turn_.by_tf.add(stamp, R_W_B); }
 
   GuardedCommand limited(const GuardTime& time) const;
 
@@ -65,13 +73,13 @@ class Guard {
   template <typename Message>
   std::string faultOf(const Latest<Message>& latest, const char* topic, const GuardTime& time) const;
   std::string commandFault(const GuardTime& time) const;
-  double safeSpeed(double yaw_rad, double pitch_rad, double turn_rate_rad_s, const GuardTime& time,
-                   std::string& why) const;
+  double safeSpeed(double yaw_rad, double pitch_rad, const GuardTime& time, std::string& why) const;
 
   GuardConfig config_;
   Latest<flight_corridor::FreeAreas> areas_;
   Latest<flight_corridor::CorridorState> corridor_;
   Latest<geometry_msgs::TwistStamped> command_;
+  GuardTurn turn_;
 };
 
 }  // namespace flight_corridor_ros

@@ -78,4 +78,14 @@ std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::strin
   }
 }
 
+std::optional<ros::Time> Transforms::newestStamp(const std::string& target, const std::string& source) const {
+  try {
+    const auto found = buffer_.lookupTransform(withoutSlash(target), withoutSlash(source), ros::Time(0));
+    if (found.header.stamp.isZero()) return std::nullopt;
+    return found.header.stamp;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace flight_corridor_ros

@@ -44,6 +44,9 @@ class Transforms {
   std::optional<Eigen::Isometry3d> find(std::string target, std::string source, const ros::Time& stamp,
                                         double timeout_s = 0.0, double tolerance_s = 0.0) const;
 
+  /// Stamp of the newest T_target_source.  @return nullopt when tf knows none, or one for all times.
+  std::optional<ros::Time> newestStamp(const std::string& target, const std::string& source) const;
+
  private:
   tf2_ros::Buffer buffer_;
   ros::Time heard_;  // time of the newest message
