@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "flight_corridor/geometry/section.hpp"
+#include "flight_corridor/stereo/match_error.hpp"
 
 namespace flight_corridor {
 
@@ -45,15 +46,15 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   throw std::invalid_argument(text.str());
 }
 
-/// Repeated matches at the LiDAR's range, to a pixel, are confirmed.
-/// @param met_px corrected disparity of the surface that it met; NaN: none.
-void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
-  if (std::isnan(met_px)) return;
+/// Repeated matches of the surface that the LiDAR measured are confirmed.
+/// @param lidar_px its corrected disparity; NaN: none.
+void confirmRepeated(double lidar_px, const ScaleCorrection& correction, Disparity& disparity) {
+  if (std::isnan(lidar_px)) return;
   float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
   const std::size_t pixels = disparity.best_px.total();
   std::size_t confirmed = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
-    if (!(std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0)) continue;
+    if (!isOneSurface(correction.correct(repeated_px[i]), lidar_px)) continue;
     std::swap(best_px[i], repeated_px[i]);
     ++confirmed;
   }
@@ -68,13 +69,13 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       rig_(rig),
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
-      map_(config.map, geometry, nearestDepth()),
+      map_(config.map, geometry, disparity_estimator_.nearestDepth()),
       rays_(geometry),
       inspector_(geometry),
       query_inspector_(geometry),
       fan_inspector_(geometry),
       recent_block_(config.corridor.hold_s) {
-  requireSight(config.corridor, geometry, nearestDepth());
+  requireSight(config.corridor, geometry, disparity_estimator_.nearestDepth());
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -95,7 +96,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   {
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
-    confirmRepeated(geometry_.disparity(validLidarDepth(boxInCamera())), scale(), disparity_);
+    confirmRepeated(lidarDisparity(boxInCamera()), scale(), disparity_);
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
@@ -140,7 +141,7 @@ void Pipeline::trackRange() {
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
 bool Pipeline::isTrusted() const {
-  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
+  return image_faults_ == 0 && (report_.verdict.reasons & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
 }
 
 void Pipeline::updateMap() const {
@@ -162,35 +163,32 @@ const OccupancyMap& Pipeline::map() const {
   return map_;
 }
 
+double Pipeline::nearestDepth() const {
+  return geometry_.depth(scale().correct(geometry_.disparity(disparity_estimator_.nearestDepth())));
+}
+
 PairEvidence Pipeline::evidence() const {
-  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, scale(), nearestDepth()};
+  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, scale(), disparity_estimator_.nearestDepth()};
 }
 
 /// An obstacle seen earlier in the box blocks until it is known to have gone; only this frame's evidence makes FREE.
 void Pipeline::decide() {
-  Verdict& verdict = report_.verdict;
   const CorridorConfig& corridor = config_.corridor;
   const Box box_C = boxInCamera();
-  const double smallest_m = smallestInspected(corridor);
   BandWorkers& workers = disparity_estimator_.workers();
   workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
-  const BoxEvidence& shown =
-      inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, isLidarValid(box_C), workers).front();
-  box_reasons_ = reasonsOf(shown, corridor, verdict.clear_distance_m);
-  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) box_reasons_ |= kNoDisparity;
-  verdict.unknown_fraction = shown.unobserved.fraction;
-  verdict.reasons = box_reasons_ | reasonsOf(report_);
-  verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  verdict.block(kShortRange, beamEndInBox(box_C));
-  if (remembers()) verdict.block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m);
-  if (stateOf(verdict.reasons) == State::Blocked) {
+  const BoxEvidence& shown = inspector_.inspect(box_C, evidence(), corridor, {lidarDisparity(box_C)}, workers).front();
+  std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
+  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) pair_reasons |= kNoDisparity;
+  Verdict& verdict = report_.verdict;
+  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));
+  const double smallest_m = smallestInspected(corridor);
+  if (verdict.state == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
-    verdict.reasons |= kRecentlyBlocked;
+    verdict.withhold(kRecentlyBlocked);
   }
-  verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown, corridor, box_C);
   report_.clears = isTrusted();
 }
 
@@ -198,7 +196,7 @@ void Pipeline::setCorridor(const CorridorConfig& corridor) {
   Config changed = config_;
   changed.corridor = corridor;
   throwIfBroken(check(changed));
-  requireSight(corridor, geometry_, nearestDepth());
+  requireSight(corridor, geometry_, disparity_estimator_.nearestDepth());
   config_ = changed;
   recent_block_.setHold(corridor.hold_s);
   disparity_estimator_.setSmallestObstacle(corridor.smallest_obstacle_m);
