@@ -27,6 +27,13 @@ double shareNearer(const Box& box_C, double depth_m) {
   return static_cast<double>(nearer) / kSlices;
 }
 
+/// Share of a box that the last pair does not show clear; from near the camera on what is out of view counts.
+double unknownShare(const Box& box_C, const Unobserved& unobserved) {
+  const double too_near = shareNearer(box_C, kNearestAsked_m);
+  const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
+  return unseen + (1.0 - unseen) * unobserved.fraction;
+}
+
 }  // namespace
 
 /// Disparity of the surface that the LiDAR measured in the view of a box's end, NaN if there is none: it places what
@@ -78,10 +85,7 @@ Verdict Pipeline::query(const Box& box) const {
           .front();
   const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
   Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembers() ? cells : BoxCells());
-  const Unobserved& unobserved = shown.unobserved;
-  const double too_near = shareNearer(box_C, kNearestAsked_m);
-  const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
-  double unknown = unseen + (1.0 - unseen) * unobserved.fraction;
+  double unknown = unknownShare(box_C, shown.unobserved);
   if (!is_way) verdict.unknown_fraction = unknown;
   if (is_cleared_) {
     unknown = std::max(unknown, cells.unknown_fraction);
@@ -91,7 +95,7 @@ Verdict Pipeline::query(const Box& box) const {
   }
   if (remembers()) verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
   if ((!is_way || is_cleared_) && unknown > kMostUnknown) verdict.withhold(kUnobserved);
-  if (remembers() && unknown <= kMostUnknown && !unobserved.hasHole()) {  // memory says the rest
+  if (remembers() && unknown <= kMostUnknown && !shown.unobserved.hasHole()) {  // memory says the rest
     verdict.reasons &= ~kUnobserved;
     verdict.state = stateOf(verdict.reasons);
     verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
