@@ -47,15 +47,14 @@ void BM_Corridor(benchmark::State& state) {
   const bool is_one = state.range(1) == 0;
   const Fan fan(corridorBox(config, opticalFromForward()), is_one ? ahead : gridAngles(areas.yaw_rad, areas.step_rad),
                 is_one ? ahead : gridAngles(areas.pitch_rad, areas.step_rad));
-  const std::vector<bool> is_lidar_valid(fan.size(), false);
+  const std::vector<double> lidar_px(fan.size(), kNaN);
   right_texture.find(pair.right);
   for (auto _ : state) {
     left_texture.find(pair.left);
     rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
     const PairEvidence evidence{
         pair, disparity, depth_m, left_texture.mask(), rays, correction, estimator.nearestDepth()};
-    benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config.blind_m, config.smallest_obstacle_m,
-                                               is_lidar_valid, estimator.workers()));
+    benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config, lidar_px, estimator.workers()));
   }
   state.SetLabel(kScenes[state.range(0)]);
 }

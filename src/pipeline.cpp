@@ -9,6 +9,7 @@
 
 #include "flight_corridor/corridor/sight.hpp"
 #include "flight_corridor/geometry/section.hpp"
+#include "flight_corridor/stereo/match_error.hpp"
 
 namespace flight_corridor {
 
@@ -50,15 +51,15 @@ bool isPose(const std::optional<Eigen::Isometry3d>& T_W_C) {
   return T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
 }
 
-/// Repeated matches at the LiDAR's range, to a pixel, are confirmed.
-/// @param met_px corrected disparity of the surface that it met; NaN: none.
-void confirmRepeated(double met_px, const ScaleCorrection& correction, Disparity& disparity) {
-  if (std::isnan(met_px)) return;
+/// Repeated matches of the surface that the LiDAR measured are confirmed.
+/// @param lidar_px its corrected disparity; NaN: none.
+void confirmRepeated(double lidar_px, const ScaleCorrection& correction, Disparity& disparity) {
+  if (std::isnan(lidar_px)) return;
   float *best_px = disparity.best_px.ptr<float>(), *repeated_px = disparity.repeated_px.ptr<float>();
   const std::size_t pixels = disparity.best_px.total();
   std::size_t confirmed = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
-    if (!(std::abs(correction.correct(repeated_px[i]) - met_px) <= 1.0)) continue;
+    if (!isOneSurface(correction.correct(repeated_px[i]), lidar_px)) continue;
     std::swap(best_px[i], repeated_px[i]);
     ++confirmed;
   }
@@ -73,7 +74,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       rig_(rig),
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
-      map_(config.map, geometry, nearestDepth()),
+      map_(config.map, geometry, disparity_estimator_.nearestDepth()),
       rays_(geometry),
       inspector_(geometry),
       query_inspector_(geometry),
@@ -82,7 +83,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       motion_(geometry),
       earlier_(geometry),
       obstacles_(config.map) {
-  requireSight(config.corridor, geometry, nearestDepth());
+  requireSight(config.corridor, geometry, disparity_estimator_.nearestDepth());
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -105,7 +106,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
     trackRange();
     remember();
     followMotion(isPose(T_W_C) ? T_W_C : std::nullopt);
-    confirmRepeated(geometry_.disparity(validLidarDepth(boxInCamera())), scale(), disparity_);
+    confirmRepeated(lidarDisparity(boxInCamera()), scale(), disparity_);
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
@@ -172,25 +173,12 @@ void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   obstacles_.clear(box_V);
 }
 
-/// How far along a box an obstacle stood that the newest pair does not show; +inf: none is remembered.
-double Pipeline::rememberedObstacle(const Box& box_C) const {
-  if (!motion_.pose() || config_.corridor.memory_s <= 0.0) return kInfinity;
-  const auto distanceIn = [&](const octomap::OcTree& tree, const Eigen::Isometry3d& T_M_C) {
-    return cellsIn(tree, {T_M_C * box_C.T_M_F, box_C.size_m}, [&](const Eigen::Vector3d& centre_M) {
-             return sightOf(evidence(), geometry_, T_M_C.inverse() * centre_M, config_.map.resolution_m) !=
-                    Sight::Surface;
-           }).clear_distance_m;
-  };
-  const double distance_m = distanceIn(obstacles_.tree(), motion_.pose()->T_M_C);
-  return remembers() ? std::min(distance_m, distanceIn(map_.tree(), T_M_C_)) : distance_m;
-}
-
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules only the beam, but
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
 bool Pipeline::isTrusted() const {
-  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer &&
-         !motion_.witness().contradicts();
+  return image_faults_ == 0 && (report_.verdict.reasons & (kAmbiguous | kNoDisparity | kBadCalibration)) == 0 &&
+         !report_.lidar_is_nearer;
 }
 
 void Pipeline::updateMap() const {
@@ -212,16 +200,19 @@ const OccupancyMap& Pipeline::map() const {
   return map_;
 }
 
+double Pipeline::nearestDepth() const {
+  return geometry_.depth(scale().correct(geometry_.disparity(disparity_estimator_.nearestDepth())));
+}
+
 PairEvidence Pipeline::evidence() const {
-  return {pair_, disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, scale(), nearestDepth()};
+  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, scale(),
+          disparity_estimator_.nearestDepth()};
 }
 
 /// An obstacle seen earlier in the box blocks until it is known to have gone; only this frame's evidence makes FREE.
 void Pipeline::decide() {
-  Verdict& verdict = report_.verdict;
   const CorridorConfig& corridor = config_.corridor;
   const Box box_C = boxInCamera();
-  const double smallest_m = smallestInspected(corridor);
   BandWorkers& workers = disparity_estimator_.workers();
   workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
@@ -229,24 +220,19 @@ void Pipeline::decide() {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), range_tracker_.point(met_m));
   }
-  const BoxEvidence& shown =
-      inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, isLidarValid(box_C), workers).front();
-  box_reasons_ = reasonsOf(shown, corridor, verdict.clear_distance_m);
-  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) box_reasons_ |= kNoDisparity;
-  verdict.unknown_fraction = shown.unobserved.fraction;
-  verdict.reasons = box_reasons_ | reasonsOf(report_);
-  if (motion_.witness().contradicts()) verdict.reasons |= kBadCalibration;
-  if (!motion_.pose()) verdict.reasons |= kNoMotion;
-  verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
-  verdict.block(kShortRange, beamEndInBox(box_C));
-  verdict.block(kOccupiedCell, rememberedObstacle(box_C));
-  if (stateOf(verdict.reasons) == State::Blocked) {
+  const BoxEvidence& shown = inspector_.inspect(box_C, evidence(), corridor, {lidarDisparity(box_C)}, workers).front();
+  std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
+  if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) pair_reasons |= kNoDisparity;
+  if (motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
+  if (!motion_.pose()) pair_reasons |= kNoMotion;
+  Verdict& verdict = report_.verdict;
+  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));
+  const double smallest_m = smallestInspected(corridor);
+  if (verdict.state == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
-    verdict.reasons |= kRecentlyBlocked;
+    verdict.withhold(kRecentlyBlocked);
   }
-  verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown, corridor, box_C);
   report_.clears = clears_ = isTrusted();
   updateObstacles();
   judged_s_ = verdict.stamp_s;
@@ -269,7 +255,7 @@ void Pipeline::setCorridor(const CorridorConfig& corridor) {
   Config changed = config_;
   changed.corridor = corridor;
   throwIfBroken(check(changed));
-  requireSight(corridor, geometry_, nearestDepth());
+  requireSight(corridor, geometry_, disparity_estimator_.nearestDepth());
   config_ = changed;
   recent_block_.setHold(corridor.hold_s);
   disparity_estimator_.setSmallestObstacle(corridor.smallest_obstacle_m);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flight_corridor/corridor/sight.hpp"
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/pipeline.hpp"
 
@@ -27,65 +28,90 @@ double shareNearer(const Box& box_C, double depth_m) {
   return static_cast<double>(nearer) / kSlices;
 }
 
+/// Share of a box that the last pair does not show clear; from near the camera on what is out of view counts.
+double unknownShare(const Box& box_C, const Unobserved& unobserved) {
+  const double too_near = shareNearer(box_C, kNearestAsked_m);
+  const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
+  return unseen + (1.0 - unseen) * unobserved.fraction;
+}
+
 }  // namespace
 
-/// Depth of the surface that the LiDAR's beam meets in the view of a box's end, NaN if there is none: the LiDAR places
-/// a pattern in that view.
-double Pipeline::validLidarDepth(const Box& box_C) const {
+/// Disparity of the surface that the LiDAR measured in the view of a box's end, NaN if there is none: it places what
+/// is matched there.
+double Pipeline::lidarDisparity(const Box& box_C) const {
   const Eigen::Vector3d met_C = range_tracker_.point(report_.range.range_m);
   const Eigen::Vector2d pixel = geometry_.project(met_C);
   const bool is_valid = report_.lidar_range_valid && geometry_.contains(pixel) &&
                         viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
-  return is_valid ? met_C.z() : kNaN;
+  return is_valid ? geometry_.disparity(met_C.z()) : kNaN;
 }
 
-Verdict Pipeline::query(const Box& box) const {
-  throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
+/// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
+BoxCells Pipeline::remembered(const Box& box_C) const {
+  const auto cells = [&](const octomap::OcTree& tree, const Eigen::Isometry3d& T_M_C) {
+    const Eigen::Isometry3d T_C_M = T_M_C.inverse();
+    return cellsIn(tree, {T_M_C * box_C.T_M_F, box_C.size_m}, [&](const Eigen::Vector3d& centre_M) {
+      return sightOf(evidence(), geometry_, T_C_M * centre_M, config_.map.resolution_m) != Sight::Surface;
+    });
+  };
+  BoxCells remembered = remembers() ? cells(map_.tree(), T_M_C_) : BoxCells();
+  if (!motion_.pose()) return remembered;
+  const double obstacle_m = cells(obstacles_.tree(), motion_.pose()->T_M_C).clear_distance_m;
+  remembered.clear_distance_m = std::min(remembered.clear_distance_m, obstacle_m);
+  return remembered;
+}
+
+/// The verdict on any box, except for what belongs to the corridor, a query or a fan alone.
+/// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
+Verdict Pipeline::judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked,
+                        std::uint32_t pair_reasons, const BoxCells& remembered) const {
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
-  verdict.clear_distance_m = kInfinity;
-  verdict.reasons = report_.verdict.reasons & kMapInDoubt;
-  if (std::isnan(verdict.stamp_s) || depth_m_.empty()) {
-    verdict.reasons |= kNoData;
-    return verdict;
-  }
-  const Box box_C{T_M_C_.inverse() * box.T_M_F, box.size_m};
-  const bool is_way = beginsAtUav(box_C);
-  const BoxEvidence& shown =
-      query_inspector_
-          .inspect(box_C, evidence(), is_way ? config_.corridor.blind_m : kNearestAsked_m,
-                   smallestInspected(config_.corridor), isLidarValid(box_C), disparity_estimator_.workers())
-          .front();
-  verdict.reasons |= reasonsOf(shown, config_.corridor, verdict.clear_distance_m);
-  const Unobserved& unobserved = shown.unobserved;
-  const double too_near = shareNearer(box_C, kNearestAsked_m);
-  const double unseen = too_near + (1.0 - too_near) * unobserved.out_of_view;
-  double unknown = unseen + (1.0 - unseen) * unobserved.fraction;
-  verdict.unknown_fraction = is_way ? unobserved.fraction : unknown;
-  if (!is_way && unknown > kMostUnknown) verdict.reasons |= kUnobserved;
+  verdict.reasons = pair_reasons | reasonsOf(shown, asked, verdict.clear_distance_m);
+  verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.block(kShortRange, beamEndInBox(box_C));
-  if (is_cleared_) {
-    unknown = std::max(unknown, cellsIn(map_.tree(), box).unknown_fraction);
-    verdict.unknown_fraction = std::max(verdict.unknown_fraction, unknown);
-    if (unknown > kMostUnknown) verdict.reasons |= kUnobserved;
-  }
-  verdict.block(kOccupiedCell, rememberedObstacle(box_C));
-  if (remembers()) {
-    const BoxCells remembered = cellsIn(map().tree(), box);
-    if (!is_cleared_) unknown = std::min(unknown, remembered.unknown_fraction);
-    verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
-    const bool is_known = !unobserved.hasHole() && unknown <= kMostUnknown;
-    if (is_known) verdict.reasons &= ~kUnobserved;  // memory says the rest
-  }
+  verdict.block(kOccupiedCell, remembered.clear_distance_m);
   verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown, config_.corridor, box_C);
+  verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
   return verdict;
 }
 
-std::vector<bool> Pipeline::isLidarValid(const Fan& fan_C) const {
-  std::vector<bool> is_valid;
-  for (int i = 0; i < fan_C.size(); ++i) is_valid.push_back(!std::isnan(validLidarDepth(fan_C.box(i))));
-  return is_valid;
+/// A box that is no way is asked about from near the camera on, and more of it has to be known.
+Verdict Pipeline::query(const Box& box) const {
+  throwIfBroken(check(box, config_.map.resolution_m), "impossible box");
+  if (std::isnan(report_.verdict.stamp_s) || depth_m_.empty()) {
+    Verdict nothing;
+    nothing.stamp_s = report_.verdict.stamp_s;
+    nothing.clear_distance_m = kInfinity;
+    nothing.reasons = (report_.verdict.reasons & kMapInDoubt) | kNoData;
+    return nothing;
+  }
+  const Box box_C{T_M_C_.inverse() * box.T_M_F, box.size_m};
+  const bool is_way = beginsAtUav(box_C);
+  CorridorConfig asked = config_.corridor;
+  if (!is_way) asked.blind_m = kNearestAsked_m, asked.max_unknown_fraction = kMostUnknown;
+  const BoxEvidence& shown =
+      query_inspector_.inspect(box_C, evidence(), asked, {lidarDisparity(box_C)}, disparity_estimator_.workers())
+          .front();
+  const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
+  Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
+  double unknown = unknownShare(box_C, shown.unobserved);
+  if (!is_way) verdict.unknown_fraction = unknown;
+  if (is_cleared_) {
+    unknown = std::max(unknown, cells.unknown_fraction);
+    verdict.unknown_fraction = std::max(verdict.unknown_fraction, unknown);
+  } else if (remembers()) {
+    unknown = std::min(unknown, cells.unknown_fraction);
+  }
+  if (remembers()) verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
+  if ((!is_way || is_cleared_) && unknown > kMostUnknown) verdict.withhold(kUnobserved);
+  if (remembers() && unknown <= kMostUnknown && !shown.unobserved.hasHole()) {  // memory says the rest
+    verdict.reasons &= ~kUnobserved;
+    verdict.state = stateOf(verdict.reasons);
+    verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
+  }
+  return verdict;
 }
 
 /// By the corridor's rule: each box begins at the UAV.
@@ -95,21 +121,15 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
     for (Verdict& verdict : verdicts) verdict.reasons = kNoData;
     return verdicts;
   }
+  std::vector<double> lidar_px;
+  for (int i = 0; i < fan_C.size(); ++i) lidar_px.push_back(lidarDisparity(fan_C.box(i)));
+  const CorridorConfig& corridor = config_.corridor;
   const std::vector<BoxEvidence>& shown =
-      fan_inspector_.inspect(fan_C, evidence(), config_.corridor.blind_m, smallestInspected(config_.corridor),
-                             isLidarValid(fan_C), disparity_estimator_.workers());
+      fan_inspector_.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
   for (int i = 0; i < fan_C.size(); ++i) {
-    Verdict& verdict = verdicts[i];
     const Box box_C = fan_C.box(i);
-    verdict.stamp_s = report_.verdict.stamp_s;
-    verdict.reasons =
-        (report_.verdict.reasons & kMapInDoubt) | reasonsOf(shown[i], config_.corridor, verdict.clear_distance_m);
-    if (is_cleared_) verdict.reasons |= kUnobserved;
-    verdict.unknown_fraction = shown[i].unobserved.fraction;
-    verdict.block(kShortRange, beamEndInBox(box_C));
-    verdict.block(kOccupiedCell, rememberedObstacle(box_C));
-    verdict.state = stateOf(verdict.reasons);
-    verdict.free_distance_m = freeDistance(verdict, shown[i], config_.corridor, box_C);
+    verdicts[i] = judge(box_C, shown[i], corridor, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
+    if (is_cleared_) verdicts[i].withhold(kUnobserved);
   }
   return verdicts;
 }
@@ -126,11 +146,13 @@ const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C
   return free_areas_;
 }
 
+/// From the camera on, at the height of the corridor's start.
 LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   LevelScan scan = unknownScan(config_.free_areas.step_rad, config_.corridor.length_m);
   const double width_m = 2.0 * scan.max_range_m * std::tan(0.5 * scan.step_rad);
-  Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, boxInCamera().size_m.z()}};
-  ahead_C.T_M_F.translate(config_.corridor.offset_m);
+  const Box corridor_C = boxInCamera();
+  Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, corridor_C.size_m.z()}};
+  ahead_C.T_M_F.translate(R_C_H.col(2).dot(corridor_C.T_M_F.translation()) * Eigen::Vector3d::UnitZ());
   const std::vector<Verdict> verdicts = judge({ahead_C, gridAngles(-scan.first_yaw_rad, scan.step_rad), {0.0}});
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const double range_m = verdicts[i].state == State::Free ? kInfinity : verdicts[i].free_distance_m;

@@ -42,15 +42,15 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
   }
 }
 
-bool isIn(const DisparityEvidence& evidence, const ScaleCorrection& correction, bool is_lidar_valid, const Box& box,
+bool isIn(const DisparityEvidence& evidence, const ScaleCorrection& correction, double lidar_px, const Box& box,
           double from_m = kBlind_m) {
   Doubt doubt(kSmallGeometry);
-  doubt.find(box, from_m, evidence, correction, {{true, is_lidar_valid}}, kSmallest_m, workers);
+  doubt.find(box, from_m, evidence, correction, {{true, lidar_px}}, kSmallest_m, workers);
   return doubt.isIn(0);
 }
 
-bool isIn(const DisparityEvidence& evidence, bool is_lidar_valid = false, const Box& box = kCorridor) {
-  return isIn(evidence, ScaleCorrection(ScaleConfig()), is_lidar_valid, box);
+bool isIn(const DisparityEvidence& evidence, double lidar_px = kNaN, const Box& box = kCorridor) {
+  return isIn(evidence, ScaleCorrection(ScaleConfig()), lidar_px, box);
 }
 
 /// As many pixels side by side as the smallest obstacle covers in the box.
@@ -97,13 +97,13 @@ void repeat(const cv::Rect& pixels, int farthest_px, DisparityEvidence& evidence
 }
 
 TEST(Doubt, ARepeatedMatchInTheBoxIsDoubtWhereverTheLidarEnds) {
-  for (const bool is_lidar_valid : {false, true}) {
+  for (const double lidar_px : {kNaN, static_cast<double>(kWall_px), static_cast<double>(kInTheBox_px)}) {
     DisparityEvidence evidence = certainWall();
     repeat(smallest(), 4, evidence);
-    EXPECT_TRUE(isIn(evidence, is_lidar_valid));
+    EXPECT_TRUE(isIn(evidence, lidar_px));
     evidence = certainWall();
     repeat({kMiddle, smallest().size() - cv::Size(1, 0)}, 4, evidence);
-    EXPECT_FALSE(isIn(evidence, is_lidar_valid)) << "a smaller patch, which may be behind";
+    EXPECT_FALSE(isIn(evidence, lidar_px)) << "a smaller patch, which may be behind";
   }
 }
 
@@ -139,7 +139,7 @@ TEST(Doubt, WhatIsMatchedInTheBoxOrNotAtAllIsNone) {
   }
 }
 
-TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
+TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarMeasuredItsSurface) {
   DisparityEvidence evidence = certainWall();
   const cv::Rect patch = smallest();
   evidence.competitor_nearest(patch).setTo(placeOf(kInTheBox_px));
@@ -147,7 +147,9 @@ TEST(Doubt, ARepeatedPatternIsDoubtUnlessTheLidarTells) {
   EXPECT_FALSE(isIn(evidence)) << "not flagged";
   evidence.flags(patch).setTo(kConsistent | kDistinct | kCompetitor);
   EXPECT_TRUE(isIn(evidence));
-  EXPECT_FALSE(isIn(evidence, true));
+  for (const double away_px : {-2.0, -1.1, -0.9, 0.0, 0.9, 1.1, 2.0}) {
+    EXPECT_EQ(isIn(evidence, kWall_px + away_px), std::abs(away_px) > 1.0) << away_px;
+  }
 }
 
 TEST(Doubt, OfCompetitorsOnBothSidesOfTheBoxOneMayBeInIt) {
@@ -159,6 +161,8 @@ TEST(Doubt, OfCompetitorsOnBothSidesOfTheBoxOneMayBeInIt) {
   EXPECT_FALSE(isIn(evidence)) << "both behind";
   evidence.competitor_nearest(patch).setTo(placeOf(110));  // nearer than the blind distance
   EXPECT_TRUE(isIn(evidence));
+  EXPECT_TRUE(isIn(evidence, kWall_px - 1.5)) << "the LiDAR met what is behind";
+  EXPECT_FALSE(isIn(evidence, kWall_px)) << "the LiDAR met it";
 }
 
 TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
@@ -168,14 +172,14 @@ TEST(Doubt, TheBoxEndsWhereCorrectedDisparitiesSay) {
   DisparityEvidence evidence = certainWall();
   evidence.best_px.setTo(5.6);  // uncorrected it would be in the box, which ends at 5.25 px
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  EXPECT_TRUE(isIn(evidence, correction, false, kCorridor));
+  EXPECT_TRUE(isIn(evidence, correction, kNaN, kCorridor));
   EXPECT_FALSE(isIn(evidence));
 }
 
 TEST(Doubt, ABoxFromTheCameraOnIsLookedAtAsWell) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(8, 8)}, kInTheBox_px, evidence);
-  EXPECT_TRUE(isIn(evidence, ScaleCorrection(ScaleConfig()), false, kCorridor, 0.0));
+  EXPECT_TRUE(isIn(evidence, ScaleCorrection(ScaleConfig()), kNaN, kCorridor, 0.0));
 }
 
 TEST(Doubt, OfADirectionThatIsNotAskedNothingIsKnown) {
@@ -198,7 +202,7 @@ TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
   Doubt doubt(kSmallGeometry);
   for (int run = 0; run < 2; ++run) {  // the first leaves nothing behind
     doubt.find(fan, kBlind_m, evidence, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m, workers);
-    for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, false, fan.box(i))) << i;
+    for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
   }
   EXPECT_TRUE(doubt.isIn(7)) << "straight ahead";
   EXPECT_FALSE(doubt.isIn(0));
@@ -218,7 +222,7 @@ TEST(Doubt, BeforeBoxesThatBeginFartherAwayACompetitorMayStandBehindTheBlindDist
   doubt.find(fan, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3), kSmallest_m,
              workers);
   EXPECT_TRUE(doubt.isIn(1));
-  for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, false, fan.box(i))) << i;
+  for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
 }
 
 TEST(Doubt, TheImageShowsWhatIsInDoubt) {

@@ -21,6 +21,7 @@ using test_support::uniformEvidence;
 
 constexpr int kWall_px = 1;  // at 42 m
 constexpr double kNearest_m = 0.33;
+constexpr double kMostUnclear = 0.3;
 
 class HolesTest : public testing::Test {
  protected:
@@ -30,7 +31,7 @@ class HolesTest : public testing::Test {
     BandWorkers workers(1);
     const cv::Mat textured = texturedAllOver(kVgaGeometry.size());
     rays.look(evidence_, textured, textured, correction, workers);
-    return Holes(kVgaGeometry).find(box, rays, correction, kBlind_m, nearest_m, kSmallest_m).front();
+    return Holes(kVgaGeometry).find(box, rays, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear).front();
   }
 
   /// Something of which nothing is matched hides the wall from both cameras.
@@ -70,6 +71,21 @@ TEST_F(HolesTest, BehindAWallInTheBoxAllIsOne) {
   EXPECT_NEAR(unobserved.hole_m, 0.4, 0.4 * kSmallest_m);
   EXPECT_GT(unobserved.hole_depth_m, wall_m);
   EXPECT_GT(unobserved.fraction, 0.4);
+}
+
+/// From behind the wall on the unclear volume grows, and ever more the nearer the wall is.
+TEST_F(HolesTest, UnclearIsFromWhereMoreOfTheBoxThanMayBeIsUnclear) {
+  EXPECT_EQ(find().unclear_along_m, kInfinity);
+  double before_m = kInfinity;
+  for (const double wall_m : {3.8, 3.0, 2.0, 1.0}) {
+    evidence_ = uniformEvidence(kVgaGeometry.size(), kVgaGeometry.disparity(wall_m));
+    const Unobserved unobserved = find();
+    EXPECT_EQ(unobserved.unclear_along_m<kInfinity, unobserved.fraction> kMostUnclear) << wall_m;
+    EXPECT_GE(unobserved.unclear_along_m, unobserved.hole_along_m) << wall_m;
+    EXPECT_LE(unobserved.unclear_along_m, before_m) << wall_m;
+    before_m = unobserved.unclear_along_m;
+  }
+  EXPECT_LT(before_m, 2.5);
 }
 
 /// Nothing of it is seen at its depth; farther away the right camera sees behind it, more than what a pixel there is

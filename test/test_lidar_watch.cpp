@@ -71,6 +71,18 @@ TEST(LidarWatch, ItsRangeIsValidWhileNothingButFartherSurfacesIsNotBelieved) {
   }
 }
 
+TEST(LidarWatch, IsSilentUnlessAReadingIsBelieved) {
+  LidarWatch watch;
+  EXPECT_TRUE(watch.isSilent(1.0, 0.5));
+  watch.add(reading(1.0, 5.0), true);
+  for (double stamp_s = 1.1; stamp_s < 2.0; stamp_s += 0.1) {
+    for (const double range_m : {kNaN, kInfinity, 0.0, 9509.0}) watch.add(reading(stamp_s, range_m), false);
+    EXPECT_EQ(watch.isSilent(stamp_s, 0.55), stamp_s > 1.55) << stamp_s;
+  }
+  watch.add(reading(2.0, 5.0), true);
+  EXPECT_FALSE(watch.isSilent(2.0, 0.5));
+}
+
 TEST(LidarWatch, NoticesWithinHalfASecondThatTheRateFell) {
   LidarWatch watch;
   feed(watch, 0.0, 2.0, 100.0);

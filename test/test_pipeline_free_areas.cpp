@@ -133,6 +133,10 @@ TEST(PipelineFreeAreas, TheScanShowsAWallAllAlong) {
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double yaw_rad = scan.first_yaw_rad + static_cast<double>(i) * scan.step_rad;
     if (clear_m / std::cos(yaw_rad) > 3.7) continue;  // it may stand behind the end
+    if (i + 1 == scan.range_m.size()) {
+      EXPECT_TRUE(std::isnan(scan.range_m[i])) << "more than a quarter of it is out of the right camera's view";
+      continue;
+    }
     EXPECT_NEAR(scan.range_m[i], clear_m / std::cos(yaw_rad), 0.5) << yaw_rad;
   }
 }

@@ -170,6 +170,25 @@ TEST(PipelineInputs, SpaceBeforeTheNearestDepthIsUnobserved) {
   EXPECT_EQ(near(0.8, 0.4).state, State::Free);
 }
 
+/// A rig that measures everything 10 % too far, or too near, has learnt so: its nearest match is nearer, or farther.
+TEST(PipelineInputs, TheNearestDepthIsThatOfTheLearntScale) {
+  Config config;
+  config.stereo.num_disparities_px = 32;
+  constexpr int kNearest_px = 29;  // 0.72 m, of 31 px
+  for (const double factor : {0.9, 1.1}) {
+    Pipeline pipeline(config, kSmallGeometry, rigWithLidar());
+    const double announced_m = pipeline.nearestDepth();
+    for (int i = 0; i < 40; ++i) {
+      for (int k = 9; k >= 0; --k) pipeline.addRange(reading(1.0 + 0.1 * i - 0.01 * k, 7.0 * factor + 0.001 * (k % 2)));
+      pipeline.process(wallFrame(kSmallGeometry, 3, 1.0 + 0.1 * i));
+    }
+    ASSERT_NEAR(pipeline.scale().scale(3.0), factor, 0.03);
+    EXPECT_NEAR(pipeline.nearestDepth() / announced_m, pipeline.scale().scale(kNearest_px), 0.02);
+    const Verdict verdict = pipeline.process(wallFrame(kSmallGeometry, kNearest_px, 6.0)).verdict;
+    EXPECT_EQ(verdict.reasons & kOccupiedCell, kOccupiedCell) << describeReasons(verdict.reasons);
+  }
+}
+
 TEST(PipelineInputs, ARigThatIsBlindTooFarIsNeverFree) {
   Config config;
   config.stereo.num_disparities_px = 32;

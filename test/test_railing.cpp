@@ -64,12 +64,12 @@ StereoFrame railing(int pitch_px = kPitch_px) {
   return barsBeforeWall(bars_px);
 }
 
-bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, bool is_lidar_valid = false,
+bool isRailing(const StereoFrame& pair, const cv::Mat& depth_m, double lidar_px = kNaN,
                const StereoGeometry& geometry = kVgaGeometry) {
   const Box corridor = corridorBox(CorridorConfig(), opticalFromForward());
   Railings railings(geometry);
   railings.look(corridor, pair, depth_m, kNearest_m);
-  return railings.mayBeIn(corridor, is_lidar_valid);
+  return railings.mayBeIn(corridor, lidar_px);
 }
 
 TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) {
@@ -77,10 +77,12 @@ TEST(Railing, EqualBarsOnTheWallBehindMayStandInTheBox) {
 }
 
 TEST(Railing, TheLidarDecidesWhereAllIsOfOnePattern) {
-  EXPECT_TRUE(isRailing(railing(), depthOf(kWallDisparity_px), true)) << "its beam may pass between the bars";
+  EXPECT_TRUE(isRailing(railing(), depthOf(kWallDisparity_px), kWallDisparity_px))
+      << "its beam may pass between the bars";
   const StereoFrame stripes = stripedWall(kPitch_px);
   EXPECT_TRUE(isRailing(stripes, depthOf(kWallDisparity_px)));
-  EXPECT_FALSE(isRailing(stripes, depthOf(kWallDisparity_px), true));
+  EXPECT_FALSE(isRailing(stripes, depthOf(kWallDisparity_px), kWallDisparity_px));
+  EXPECT_TRUE(isRailing(stripes, depthOf(kWallDisparity_px), kWallDisparity_px - 2)) << "it met what is behind";
 }
 
 TEST(Railing, AFenceShowsWhatIsFartherBesideIt) {
@@ -151,7 +153,7 @@ TEST(Railing, KnowsThePrincipalPointsDifference) {
   StereoCalibration calibration = test_support::vgaCalibration();
   calibration.cx_right_px -= 3.0;  // the matches' disparities are 3 px too large
   const cv::Mat depth_m(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kVgaGeometry.depth(kWallDisparity_px - 3)));
-  EXPECT_TRUE(isRailing(railing(), depth_m, false, StereoGeometry(calibration)));
+  EXPECT_TRUE(isRailing(railing(), depth_m, kNaN, StereoGeometry(calibration)));
 }
 
 }  // namespace

@@ -196,6 +196,29 @@ TEST(RangeTracker, ALostReadingDoesNotMakeANearerLidarForgotten) {
   EXPECT_FALSE(tracker.update(3.0, showing(3.0)).lidar_is_nearer) << "one that is silent says nothing";
 }
 
+TEST(RangeTracker, ANearerLidarIsForgottenThatHasNoUsableRangeAnyMore) {
+  for (const double range_m : {kNaN, kInfinity, 0.0, 9509.0, 14.0}) {  // the last one is beyond what stereo shows
+    RangeTracker tracker = trackerWithLidar();
+    ASSERT_TRUE(trackedFor(tracker, 4.7, showing(3.0)).lidar_is_nearer);
+    TrackedRange tracked;
+    for (int i = 0; i < 120; ++i) {
+      tracker.addRange(reading(1.5 + 0.01 * i, range_m + 0.001 * (i % 2)));
+      if (i % 5 != 0) continue;
+      tracked = tracker.update(1.5 + 0.01 * i, showing(3.0));
+      EXPECT_TRUE(tracked.lidar_is_nearer || i > 10) << range_m << ", " << i;
+    }
+    EXPECT_FALSE(tracked.lidar_is_nearer) << range_m;
+  }
+}
+
+TEST(RangeTracker, AnAccelerationThatNoRigHasChangesNothing) {
+  RangeTracker tracker = trackerWithLidar();
+  for (const double acceleration_mps2 : {1e3, -1e6, 1e308, kInfinity, kNaN}) {
+    tracker.addAcceleration(1.2, {0.0, 0.0, acceleration_mps2});
+  }
+  EXPECT_NEAR(trackedFor(tracker, 3.0, showing(7.0)).range.range_m, 3.0, 0.01);
+}
+
 TEST(RangeTracker, ALidarThatPassesBetweenBarsForAMomentStaysValid) {
   RangeTracker tracker = trackerWithLidar();
   EXPECT_TRUE(trackedFor(tracker, 3.0, showing(7.0)).lidar_range_valid);

@@ -62,8 +62,9 @@ TEST(Verdict, AFreshVerdictIsUnknown) {
 /// All seen, nothing there.
 BoxEvidence clearBox() {
   BoxEvidence evidence;
-  evidence.unobserved.hole_along_m = kInfinity;
+  evidence.unobserved.hole_along_m = evidence.unobserved.unclear_along_m = kInfinity;
   evidence.unobserved.fraction = 0.0;
+  evidence.is_doubt_searched = true;
   evidence.unobserved.out_of_view = evidence.unobserved.end_out_of_view = evidence.unobserved.too_near = 0.0;
   return evidence;
 }
@@ -149,6 +150,48 @@ TEST(Verdict, WhatIsFreeBeforeAnObstacleIsBelievedOnlyOfPairsThatWouldBe) {
   EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 2.0) << "something may hide in the hole";
   evidence.patches.push_back(patch(0.3, 1.0));
   EXPECT_EQ(freeDistance(verdict, evidence, CorridorConfig(), box), 1.0) << "weak evidence before it";
+}
+
+TEST(Verdict, WhatIsFreeBeforeAnObstacleIsNoMoreThanWhatIsSeen) {
+  const Box box{Eigen::Isometry3d::Identity(), {4.0, 1.2, 0.4}};
+  BoxEvidence clear = clearBox();
+  clear.patches = {patch(2.0, 3.5)};
+  Verdict verdict;
+  verdict.state = State::Blocked;
+  verdict.clear_distance_m = 3.5;
+  verdict.reasons = kOccupiedCell | kUnobserved;
+  const auto free = [&](const BoxEvidence& evidence) { return freeDistance(verdict, evidence, CorridorConfig(), box); };
+  for (double Unobserved::*what : {&Unobserved::too_near, &Unobserved::out_of_view}) {
+    double before_m = 3.5;
+    for (double share = 0.0; share <= 1.0; share += 0.05) {
+      BoxEvidence evidence = clear;
+      evidence.unobserved.*what = share;
+      EXPECT_LE(free(evidence), before_m) << share;
+      before_m = free(evidence);
+    }
+    EXPECT_EQ(before_m, 0.0);
+  }
+  BoxEvidence evidence = clear;
+  evidence.unobserved.fraction = 1.0;
+  EXPECT_EQ(free(evidence), 3.5) << "it may all be behind the obstacle";
+  evidence.unobserved.unclear_along_m = 1.5;
+  EXPECT_EQ(free(evidence), 1.5);
+  evidence = clear;
+  evidence.unobserved.end_out_of_view = 1.0;
+  EXPECT_EQ(free(evidence), 3.0) << "up to the last quarter";
+  evidence = clear;
+  evidence.is_doubt_searched = false;
+  EXPECT_EQ(free(evidence), 0.0);
+}
+
+TEST(Verdict, AReasonWithoutAPlaceLeavesNothingFree) {
+  Verdict verdict;
+  verdict.state = State::Free;
+  verdict.free_distance_m = 4.0;
+  verdict.withhold(kUnobserved);
+  EXPECT_EQ(verdict.state, State::Unknown);
+  EXPECT_EQ(verdict.reasons, kUnobserved);
+  EXPECT_EQ(verdict.free_distance_m, 0.0);
 }
 
 TEST(Verdict, WhatFitsInTheBoxAsWellIsAmbiguousBesideWhatBlocks) {

@@ -116,8 +116,8 @@ class Pipeline {
   const Counters& counters() const { return counters_; }
   /// Where pairs are matched.
   const MatchingDevice& matchingDevice() const { return disparity_estimator_.device(); }
-  /// Stereo sees nothing nearer: that space stays unobserved [m].
-  double nearestDepth() const { return disparity_estimator_.nearestDepth(); }
+  /// Stereo sees nothing nearer, by the learnt scale: that space stays unobserved [m].
+  double nearestDepth() const;
   /// Whether stereo sees all space that corridor/blind_m does not excuse: then rays may be cleared from the camera on.
   bool seesFromBlind() const { return nearestDepth() <= config_.corridor.blind_m; }
   /// Products of the last processed frame.
@@ -147,17 +147,18 @@ class Pipeline {
   void remember();
   void followMotion(const std::optional<Eigen::Isometry3d>& told_W_C);
   void clearMemory(const Eigen::AlignedBox3d& box_M);
-  double rememberedObstacle(const Box& box_C) const;
   void updateObstacles();
   void updateMap() const;
   void decide();
   PairEvidence evidence() const;
+  Verdict judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked, std::uint32_t pair_reasons,
+                const BoxCells& remembered) const;
   std::vector<Verdict> judge(const Fan& fan_C);
   bool isTrusted() const;
-  double validLidarDepth(const Box& box_C) const;
+  double lidarDisparity(const Box& box_C) const;
   double beamEndInBox(const Box& box_C) const;
   bool beginsAtUav(const Box& box_C) const;
-  std::vector<bool> isLidarValid(const Fan& fan_C) const;
+  BoxCells remembered(const Box& box_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }
 
   Config config_;
@@ -184,7 +185,6 @@ class Pipeline {
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
   std::uint32_t image_faults_ = 0;  // of the last pair
-  std::uint32_t box_reasons_ = 0;   // reasons from its evidence about the corridor
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   cv::Mat depth_m_;

@@ -6,6 +6,7 @@
 
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
+#include "flight_corridor/stereo/match_error.hpp"
 #include "flight_corridor/stereo/search_range.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
 
@@ -160,7 +161,7 @@ void Doubt::visitBracketed(const Pixel& pixel, Scratch& scratch, Visit&& visit) 
     if (corrected_px_[pixel.farthest] >= exit_px + kInside_px) continue;
     const double entry_px = crossing.entry > 0.0 ? std::min(from_px_, geometry_.disparity(crossing.entry)) : from_px_;
     if (corrected_px_[pixel.nearest] < entry_px || (!pixel.is_repeated && !(pixel.match_px < exit_px))) continue;
-    if (directions_[i].question.is_lidar_valid && !isMatchIn(i, pixel)) continue;
+    if (isConfirmed(i, pixel) && !isMatchIn(i, pixel)) continue;
     const auto begin = corrected_px_.begin(), end = begin + end_d_;
     const auto first = std::lower_bound(begin + begin_d_, end, exit_px + kInside_px);
     if (first != end && *first < entry_px) visit(i, static_cast<int>(first - begin));
@@ -220,7 +221,12 @@ bool Doubt::isMatchIn(int direction, const Pixel& pixel) const {
 bool Doubt::mayBeIn(int direction, const Pixel& pixel, int d) const {
   const bool is_behind = pixel.match_px < corrected_px_[d] && !isMatchIn(direction, pixel);
   if (!is_behind) return pixel.is_repeated;
-  return !directions_[direction].question.is_lidar_valid || pixel.isInSet(d);
+  return !isConfirmed(direction, pixel) || pixel.isInSet(d);
+}
+
+/// Whether the LiDAR measured the surface on which a pixel is matched. Of other surfaces it says nothing.
+bool Doubt::isConfirmed(int direction, const Pixel& pixel) const {
+  return isOneSurface(pixel.match_px, directions_[direction].question.lidar_px);
 }
 
 void Doubt::addRepeated(const Pixel& pixel) {

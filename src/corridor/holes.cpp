@@ -17,20 +17,7 @@ constexpr double kJustInside = 0.999;   // of the box's end: there its rays leav
 constexpr int kPerObstacle = 6;         // pixels looked at along the smallest obstacle, at the most
 constexpr double kFarthest_m = 1000.0;  // a box has an end, whatever its pose
 constexpr double kNearest_m = 0.05;     // nearer no camera is in focus
-constexpr float kTouching_px = 1.0f;      // a match so near to a place is of a surface that may be there
-constexpr double kFarShare = 0.25;      // of the box's depth: its end
-
-/// Of a part of a box.
-struct Volume {
-  double all_m3 = 0.0, seen_m3 = 0.0, unclear_m3 = 0.0;
-
-  void operator+=(const Volume& other) {
-    all_m3 += other.all_m3;
-    seen_m3 += other.seen_m3;
-    unclear_m3 += other.unclear_m3;
-  }
-  double outOfView() const { return all_m3 > 0.0 ? std::max(0.0, 1.0 - seen_m3 / all_m3) : 1.0; }
-};
+constexpr float kTouching_px = 1.0f;    // a match so near to a place is of a surface that may be there
 
 /// To the nearest corner of a rectangle at a depth.
 double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const StereoGeometry& geometry) {
@@ -44,6 +31,18 @@ double alongAxis(const Box& box_C, const cv::Rect& at_px, double depth_m, const 
 }
 
 }  // namespace
+
+/// Of a part of a box.
+struct Holes::Volume {
+  double all_m3 = 0.0, seen_m3 = 0.0, unclear_m3 = 0.0;
+
+  void operator+=(const Volume& other) {
+    all_m3 += other.all_m3;
+    seen_m3 += other.seen_m3;
+    unclear_m3 += other.unclear_m3;
+  }
+  double outOfView() const { return all_m3 > 0.0 ? std::max(0.0, 1.0 - seen_m3 / all_m3) : 1.0; }
+};
 
 /// Repeated only if the boxes differ from the last ones.
 void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
@@ -173,7 +172,7 @@ Holes::Square Holes::search(const Plane& plane, const Place& place, int directio
 }
 
 const std::vector<Unobserved>& Holes::find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
-                                           double from_m, double nearest_m, double smallest_m) {
+                                           double from_m, double nearest_m, double smallest_m, double most_unclear) {
   layOut(fan, from_m, smallest_m);
   places_.clear();
   looks_.clear();
@@ -184,38 +183,58 @@ const std::vector<Unobserved>& Holes::find(const Fan& fan, const Absence& absenc
   }
   found_.clear();
   for (int direction = 0; direction < fan.size(); ++direction) {
-    found_.push_back(measure(direction));
+    found_.push_back(measure(direction, most_unclear));
     findHole(direction, absence, found_.back());
   }
   return found_;
 }
 
-/// Shares of a box's volume.
-Unobserved Holes::measure(int direction) const {
+Holes::Volume Holes::volume(std::size_t plane, int direction) const {
   const StereoCalibration& rig = geometry_.calibration();
+  const Section& section = planes_[plane].sections[direction];
+  const Look& look = looks_[plane * fan_.size() + direction];
+  const double pixel_m = planes_[plane].depth_m / rig.fx_px, thick_m = planes_[plane].thick_m;
+  double looked_at_m3 = std::pow(planes_[plane].stride_px * pixel_m, 2) * rig.fx_px / rig.fy_px * thick_m;
+  if (look.seen > 0) looked_at_m3 = std::min(looked_at_m3, section.area_m2 * thick_m / look.seen);
+  return {section.area_m2 * thick_m, look.seen * looked_at_m3, look.unclear * looked_at_m3};
+}
+
+/// Shares of a box's volume.
+Unobserved Holes::measure(int direction, double most_unclear) const {
   const Box box_C = fan_.box(direction);
   const double end_m = std::min(farthestCorner(box_C), kFarthest_m), begin_m = std::max(0.0, nearestCorner(box_C));
-  const double far_from_m = end_m - kFarShare * (end_m - begin_m);
+  const double far_from_m = end_m - kEndShare * (end_m - begin_m);
   Volume all, end;
   double too_near_m3 = 0.0;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
-    const Plane& plane = planes_[i];
-    const Section& section = plane.sections[direction];
-    const Look& look = looks_[i * fan_.size() + direction];
-    const double pixel_m = plane.depth_m / rig.fx_px, thick_m = plane.thick_m;
-    double looked_at_m3 = std::pow(plane.stride_px * pixel_m, 2) * rig.fx_px / rig.fy_px * thick_m;
-    if (look.seen > 0) looked_at_m3 = std::min(looked_at_m3, section.area_m2 * thick_m / look.seen);
-    const Volume volume{section.area_m2 * thick_m, look.seen * looked_at_m3, look.unclear * looked_at_m3};
-    all += volume;
-    if (!places_[i].is_searched) too_near_m3 += volume.all_m3;
-    if (plane.depth_m > far_from_m) end += volume;
+    const Volume slice = volume(i, direction);
+    all += slice;
+    if (!places_[i].is_searched) too_near_m3 += slice.all_m3;
+    if (planes_[i].depth_m > far_from_m) end += slice;
   }
   Unobserved measured;
   if (all.seen_m3 > 0.0) measured.fraction = all.unclear_m3 / all.seen_m3;
   measured.out_of_view = all.outOfView();
   if (all.all_m3 > 0.0) measured.too_near = too_near_m3 / all.all_m3;
   measured.end_out_of_view = end.outOfView();
+  measured.unclear_along_m = unclearFrom(direction, most_unclear * all.seen_m3);
   return measured;
+}
+
+/// Where the unclear volume, added up from a box's start on, becomes larger than a limit.
+double Holes::unclearFrom(int direction, double limit_m3) const {
+  double unclear_m3 = 0.0;
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    unclear_m3 += volume(i, direction).unclear_m3;
+    if (unclear_m3 > limit_m3) return beginOf(i, direction);
+  }
+  return kInfinity;
+}
+
+/// Of a plane's slice, along a box's axis.
+double Holes::beginOf(std::size_t plane, int direction) const {
+  const Plane& slice = planes_[plane];
+  return alongAxis(fan_.box(direction), slice.sections[direction].view, slice.depth_m - slice.thick_m, geometry_);
 }
 
 /// The nearest hole that hides the smallest obstacle; space too near to be matched is not a hole.
@@ -232,8 +251,7 @@ void Holes::findHole(int direction, const Absence& absence, Unobserved& found) {
     found.hole_depth_m = plane.depth_m;
     found.hole_px = {square.end_u - edge_px + plane.stride_px, square.end_v - edge_px + plane.stride_px, edge_px,
                      edge_px};
-    found.hole_along_m =
-        alongAxis(fan_.box(direction), plane.sections[direction].view, plane.depth_m - plane.thick_m, geometry_);
+    found.hole_along_m = beginOf(i, direction);
     return;
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "flight_corridor/geometry/section.hpp"
+#include "flight_corridor/stereo/match_error.hpp"
 #include "flight_corridor/stereo/window_matcher.hpp"
 
 namespace flight_corridor {
@@ -238,7 +239,7 @@ const Railings::Window& Railings::window(int u, int v) {
   return window;
 }
 
-bool Railings::mayBeIn(const Box& box_C, bool is_lidar_valid) {
+bool Railings::mayBeIn(const Box& box_C, double lidar_px) {
   const cv::Rect view = viewOfRow(box_C, geometry_) & view_;
   const double end_m = farthestCorner(box_C);
   if (view.empty() || !(end_m > 0.0)) return false;
@@ -260,7 +261,7 @@ bool Railings::mayBeIn(const Box& box_C, bool is_lidar_valid) {
   const Railing railing = largestRailing(bars);
   const auto windows = static_cast<double>(railing.windows);
   if (fitting < kFewestFitting || windows < kRailingShare * fitting) return false;
-  if (is_lidar_valid && windows >= kPatternOnlyShare * fitting) return false;
+  if (isOneSurface(railing.surface_px, lidar_px) && windows >= kPatternOnlyShare * fitting) return false;
   if (!(shareInARow(railing, bars, view, 1.0) >= kInARow)) return false;
   const double least_px = geometry_.disparity(end_m) - railing.surface_px;
   return isTooWideForAFence(byItsPitch(railing, bars), bars, least_px, view, geometry_) ||

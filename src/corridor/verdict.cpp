@@ -18,6 +18,13 @@ bool isWeak(const BoxPatch& patch, double smallest_m2) {
   return patch.in_box_px >= kWeak_px || patch.in_box_m2 > kWeakShare * smallest_m2;
 }
 
+/// Whether no more of a box is out of sight than may be.
+bool isInSight(const Unobserved& unobserved) {
+  return unobserved.too_near <= kTooNear && unobserved.out_of_view <= kOutOfView;
+}
+
+bool isEndInView(const Unobserved& unobserved) { return unobserved.end_out_of_view <= kEndOutOfView; }
+
 }  // namespace
 
 const char* toString(State state) {
@@ -59,6 +66,12 @@ void Verdict::block(Reason reason, double distance_m) {
   clear_distance_m = std::min(clear_distance_m, distance_m);
 }
 
+void Verdict::withhold(Reason reason) {
+  reasons |= reason;
+  state = stateOf(reasons);
+  free_distance_m = 0.0;
+}
+
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m) {
   const double smallest_m2 = std::pow(smallestInspected(config), 2);
   std::uint32_t reasons = 0;
@@ -74,8 +87,7 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
   if (reasons & kOccupiedCell) reasons &= ~kWeakEvidence;
   const Unobserved& unobserved = evidence.unobserved;
   const bool is_seen = !unobserved.hasHole() && unobserved.fraction <= config.max_unknown_fraction &&
-                       unobserved.too_near <= kTooNear && unobserved.out_of_view <= kOutOfView &&
-                       unobserved.end_out_of_view <= kEndOutOfView;
+                       isInSight(unobserved) && isEndInView(unobserved);
   if (!is_seen) reasons |= kUnobserved;
   if (evidence.is_ambiguous) reasons |= kAmbiguous;
   return reasons;
@@ -84,10 +96,13 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box) {
   constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kUnobserved | kRecentlyBlocked | kWeakEvidence |
                                        kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
+  if (verdict.state == State::Free) return box.size_m.x();
   const Unobserved& unobserved = evidence.unobserved;
-  const bool is_believed = (verdict.reasons & ~kSaysWhere) == 0 && unobserved.too_near <= kTooNear;
+  const bool is_believed = (verdict.reasons & ~kSaysWhere) == 0 && isInSight(unobserved) && evidence.is_doubt_searched;
   if (verdict.state == State::Unknown || !is_believed) return 0.0;
-  double free_m = std::min({verdict.clear_distance_m, unobserved.hole_along_m, box.size_m.x()});
+  double free_m =
+      std::min({verdict.clear_distance_m, unobserved.hole_along_m, unobserved.unclear_along_m, box.size_m.x()});
+  if (!isEndInView(unobserved)) free_m = std::min(free_m, (1.0 - kEndShare) * box.size_m.x());
   for (const BoxPatch& patch : evidence.patches) {
     if (isWeak(patch, std::pow(smallestInspected(config), 2))) free_m = std::min(free_m, patch.begin_m);
   }

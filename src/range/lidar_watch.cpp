@@ -23,6 +23,7 @@ void LidarWatch::add(const RangeReading& reading, bool fused) {
   if (reading.range_m == -kInfinity) too_close_s_ = reading.stamp_s;
   if (fused) {
     too_close_s_ = kNaN;
+    believed_s_ = reading.stamp_s;
     valid_ = reading;
   } else if (!(reading.range_m > valid_.range_m)) {
     valid_ = RangeReading();

@@ -14,7 +14,8 @@ constexpr double kSureOfRate = 1.0;          // sigmas
 constexpr int kTooOften = 4;                 // equal readings: noise hardly allows that
 constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
-constexpr std::size_t kCapacity = 1024;  // readings in the buffer, whatever their stamps
+constexpr double kLargestAcceleration_mps2 = 300.0;  // an IMU of +-16 g on each axis ends below
+constexpr std::size_t kCapacity = 1024;              // readings in the buffer, whatever their stamps
 
 double squared(double value) { return value * value; }
 
@@ -50,7 +51,7 @@ Outcome RangeFusion::add(Sensor sensor, double stamp_s, double range_m, double v
 }
 
 Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
-  if (!std::isfinite(stamp_s) || !std::isfinite(acceleration_mps2)) return Outcome::Invalid;
+  if (!std::isfinite(stamp_s) || !(std::abs(acceleration_mps2) <= kLargestAcceleration_mps2)) return Outcome::Invalid;
   return insert({Kind::Acceleration, stamp_s, acceleration_mps2, kNaN, 0.0});
 }
 

@@ -22,14 +22,15 @@ struct PairEvidence {
   const ClearRays& rays;
   const EarlierPairs& earlier;  ///< What earlier pairs saw clear, from where the camera is now.
   const ScaleCorrection& correction;
-  double nearest_m;  ///< Nothing nearer is matched.
+  double nearest_m;  ///< Nothing nearer is matched; not corrected.
 };
 
 /// The evidence of a pair about a box.
 struct BoxEvidence {
   std::vector<BoxPatch> patches;  ///< In it and close beside it.
   Unobserved unobserved;
-  bool is_ambiguous = false;  ///< Matches behind it fit in it as well.
+  bool is_ambiguous = false;       ///< Matches behind it fit in it as well.
+  bool is_doubt_searched = false;  ///< Otherwise that is not known.
 };
 
 /// Judges boxes by one pair: presence, absence and doubt, each by patches as large as the smallest obstacle. One
@@ -38,13 +39,13 @@ class BoxInspector {
  public:
   explicit BoxInspector(const StereoGeometry& geometry);
 
-  /// @param from_m depth from which on the boxes must be seen.
-  /// @param is_lidar_valid per direction: the LiDAR has measured the surface that its beam meets in the view of the
-  /// box's end.
+  /// @param config from blind_m on the boxes must be seen; the smallest obstacle, and how much may be unknown.
+  /// @param lidar_px per direction: corrected disparity of the surface that the LiDAR measured in the view of the box's
+  /// end; NaN: none.
   /// @return per direction; valid until the next call. If there are several, neither doubt is searched in boxes that
-  /// are UNKNOWN anyway, nor patches beside a box.
-  const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, double from_m, double smallest_m,
-                                          const std::vector<bool>& is_lidar_valid, BandWorkers& workers);
+  /// have a hole and in which no patch blocks, nor patches beside a box.
+  const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, const CorridorConfig& config,
+                                          const std::vector<double>& lidar_px, BandWorkers& workers);
 
   /// CV_8UC1, 255: pixels that are matched behind the first direction's box, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
@@ -52,6 +53,7 @@ class BoxInspector {
   const std::vector<Eigen::Vector3d>& blocking() const { return patches_.blocking(); }
 
  private:
+  StereoGeometry geometry_;
   BoxPatches patches_;
   Holes holes_;
   Doubt doubt_;

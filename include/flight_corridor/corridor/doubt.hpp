@@ -11,6 +11,7 @@
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
+#include "flight_corridor/types.hpp"
 
 namespace flight_corridor {
 
@@ -21,8 +22,9 @@ class Doubt {
  public:
   /// What is to be known of a direction's box.
   struct Question {
-    bool is_open = true;          ///< false: nothing.
-    bool is_lidar_valid = false;  ///< Its range says how far a pattern behind the box is: its competitors are none.
+    bool is_open = true;     ///< false: nothing.
+    double lidar_px = kNaN;  ///< Disparity of the surface that the LiDAR measured; NaN: none. What is matched there
+                             ///< stands there: its competitors are none.
   };
 
   explicit Doubt(const StereoGeometry& geometry);
@@ -84,6 +86,7 @@ class Doubt {
   Pixel pixel(int at) const;
   bool isAlternative(const Pixel& pixel, int d) const;
   bool isMatchIn(int direction, const Pixel& pixel) const;
+  bool isConfirmed(int direction, const Pixel& pixel) const;
   bool mayBeIn(int direction, const Pixel& pixel, int d) const;
   template <class Visit>
   void visitBracketed(const Pixel& pixel, Scratch& scratch, Visit&& visit) const;

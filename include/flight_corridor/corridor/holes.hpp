@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Unobserved {
   double hole_depth_m = kNaN;    ///< Its depth.
   double hole_along_m = 0.0;     ///< Its distance along the box's axis; +inf: no hole.
   double fraction = 1.0;         ///< Share without a clear ray of the volume in view of both cameras [0..1].
+  double unclear_along_m = 0.0;  ///< Distance along the box's axis to where that is more than may be; +inf: nowhere.
   double out_of_view = 1.0;      ///< Share of the box's volume out of their view [0..1].
   double too_near = 1.0;         ///< Share nearer than stereo sees.
   double end_out_of_view = 1.0;  ///< Share of its last quarter out of view.
@@ -27,6 +29,8 @@ struct Unobserved {
   /// Whether the smallest obstacle could stand unseen somewhere in view.
   bool hasHole() const { return hole_along_m != kInfinity; }
 };
+
+constexpr double kEndShare = 0.25;  ///< Of a box's length: its end.
 
 /// Times the smallest obstacle's edge: matches are lost half a census window around it. A smaller hole hides no
 /// obstacle.
@@ -47,10 +51,10 @@ class Holes {
 
   /// @param from_m depth from which on the boxes must be seen.  @param nearest_m nothing nearer is matched: that space
   /// is unclear, but not a hole.  @param smallest_m edge of the smallest obstacle: holes are measured to a sixth of it,
-  /// or to a pixel.
+  /// or to a pixel.  @param most_unclear share of the volume in view that may be without a clear ray.
   /// @return the unobserved part of each direction's box, valid until the next call.
   const std::vector<Unobserved>& find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
-                                      double from_m, double nearest_m, double smallest_m);
+                                      double from_m, double nearest_m, double smallest_m, double most_unclear);
 
  private:
   /// A depth, and the sections of the boxes there.
@@ -87,7 +91,12 @@ class Holes {
   void findUnclear(const Plane& plane, const Place& place, const Absence& absence);
   Look look(const Plane& plane, const Section& section, const Place& place) const;
   Square search(const Plane& plane, const Place& place, int direction, const Absence& absence);
-  Unobserved measure(int direction) const;
+  /// A box's volume in a plane's slice.
+  struct Volume;
+  Volume volume(std::size_t plane, int direction) const;
+  Unobserved measure(int direction, double most_unclear) const;
+  double unclearFrom(int direction, double limit_m3) const;
+  double beginOf(std::size_t plane, int direction) const;
   void findHole(int direction, const Absence& absence, Unobserved& found);
 
   StereoGeometry geometry_;

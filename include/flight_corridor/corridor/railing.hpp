@@ -27,9 +27,9 @@ class Railings {
   /// @param nearest_m nearest depth to search.
   void look(const Fan& fan, const StereoFrame& pair, const cv::Mat& depth_m, double nearest_m);
 
-  /// @param is_lidar_valid whether the LiDAR's beam meets a surface in the view of the box's end: if nearly all windows
-  /// are of the pattern, the pattern is there. Between the bars of a railing the beam may pass.
-  bool mayBeIn(const Box& box_C, bool is_lidar_valid);
+  /// @param lidar_px disparity of the surface that the LiDAR measured, NaN: none. If nearly all windows are of a
+  /// pattern that is matched there, the pattern is there. Between the bars of a railing the beam may pass.
+  bool mayBeIn(const Box& box_C, double lidar_px);
 
  private:
   /// A small window of the left image, and the other disparities at which it fits.

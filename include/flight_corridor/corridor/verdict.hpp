@@ -66,14 +66,18 @@ struct Verdict {
 
   /// @param distance_m to the obstacle; +inf: nothing blocks.
   void block(Reason reason, double distance_m);
+  /// Adds a reason against FREE that does not say where: nothing is known to be free.
+  void withhold(Reason reason);
 };
 
 /// Reasons from a pair's evidence about a box.
 /// @param clear_distance_m to the obstacle; +inf: nothing blocks.
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m);
 
-/// How far a box is free from its start on [m]: up to its end, its obstacle, or before that a weak patch or a hole. 0
-/// if the verdict is UNKNOWN, or would be for other reasons than holes if nothing blocked.
+/// How far a box is free from its start on [m]: up to its end, its obstacle, or before that a weak patch, a hole, too
+/// much without a clear ray, or its last quarter if that is out of view. 0 if the verdict is UNKNOWN, or would be for
+/// reasons without a place if nothing blocked: a faulty input, doubt or doubt not searched, too much out of view or too
+/// near.
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box);
 
 /// Reasons from the two sensors on the beam.

@@ -19,8 +19,8 @@ class LidarWatch {
   /// Whether a reading, at most this old, reported an obstacle too close to be measured, -inf (REP-117), and none was
   /// believed since.
   bool isTooClose(double stamp_s, double max_age_s) const;
-  /// Whether no reading came for this long.
-  bool isSilent(double stamp_s, double max_age_s) const { return !(stamp_s - newest_.stamp_s <= max_age_s); }
+  /// Whether no reading was believed for this long.
+  bool isSilent(double stamp_s, double max_age_s) const { return !(stamp_s - believed_s_ <= max_age_s); }
   bool isRejected() const { return newest_.stamp_s == newest_.stamp_s && !fused_; }
   /// Whether the newest pause between readings, up to this stamp, is longer than a link's and than three times the
   /// recent mean.
@@ -31,6 +31,7 @@ class LidarWatch {
  private:
   RangeReading newest_;  // its stamp is NaN before the first one
   bool fused_ = false;
+  double believed_s_ = kNaN;    // the last such reading
   RangeReading valid_;          // the last one that was believed, unless a nearer one was not since
   double too_close_s_ = kNaN;   // of the last such reading, unless one was believed since
   double pause_s_ = kNaN;       // before the newest reading

@@ -61,7 +61,7 @@ class RangeFusion {
   Outcome add(Sensor sensor, double stamp_s, double range_m, double variance_m2, double common_sigma_1pm = 0.0);
 
   /// Input u: the rig's own acceleration along the beam, gravity removed [m/s^2]; holds until the next one, at most 0.1
-  /// s.
+  /// s.  @return Invalid for one that is not finite, or that no rig has (not an error).
   Outcome addAcceleration(double stamp_s, double acceleration_mps2);
 
   /// The estimate predicted to a stamp not before the buffer's start.
