@@ -8,15 +8,29 @@ namespace {
 
 const Eigen::Vector3d kGravity_W_mps2(0.0, 0.0, -9.80665);  // standard gravity
 constexpr double kLargestForce_mps2 = 300.0;                // an imu of +-16 g on each axis ends below
+constexpr double kLargestRate_rad_s = 100.0;                // one of +-2000 deg/s, too
+
+std::optional<Eigen::Vector3d> possible(const geometry_msgs::Vector3& message, double covariance, double largest) {
+  const Eigen::Vector3d vector(message.x, message.y, message.z);
+  const bool is_given = covariance != -1.0;
+  if (!(is_given && vector.norm() <= largest)) return std::nullopt;
+  return vector;
+}
 
 }  // namespace
 
+std::optional<Eigen::Vector3d> toForce(const sensor_msgs::Imu& message) {
+  return possible(message.linear_acceleration, message.linear_acceleration_covariance[0], kLargestForce_mps2);
+}
+
+std::optional<Eigen::Vector3d> toRate(const sensor_msgs::Imu& message) {
+  return possible(message.angular_velocity, message.angular_velocity_covariance[0], kLargestRate_rad_s);
+}
+
 std::optional<Eigen::Vector3d> toAcceleration(const sensor_msgs::Imu& message, const Eigen::Matrix3d& R_I_W) {
-  const auto& force = message.linear_acceleration;
-  const Eigen::Vector3d force_I(force.x, force.y, force.z);
-  const bool is_given = message.linear_acceleration_covariance[0] != -1.0;
-  if (!(is_given && force_I.norm() <= kLargestForce_mps2)) return std::nullopt;
-  return force_I + R_I_W * kGravity_W_mps2;
+  const auto force_I = toForce(message);
+  if (!force_I) return std::nullopt;
+  return *force_I + R_I_W * kGravity_W_mps2;
 }
 
 std::optional<Eigen::Vector3d> Accelerometer::read(const sensor_msgs::Imu& message, const std::string& camera_frame) {
