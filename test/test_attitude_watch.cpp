@@ -41,10 +41,10 @@ sensor_msgs::Imu measured(const Attitude& attitude, const Acceleration& accelera
 
 Eigen::Vector3d upBy(const Eigen::Quaterniond& R_W_I) { return R_W_I.conjugate() * Eigen::Vector3d::UnitZ(); }
 
-/// The first contradiction in a flight of twenty seconds, asked for 20 times a second; empty: none.
+/// The first contradiction in a flight of ten seconds, asked for 20 times a second; empty: none.
 std::string contradictionIn(const Attitude& attitude, const Acceleration& acceleration, const Claim& claim) {
   AttitudeWatch watch;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const double now_s = kPeriod_s * i;
     watch.add(measured(attitude, acceleration, now_s), upBy(claim(attitude(now_s))));
     if (i % 10 != 0) continue;

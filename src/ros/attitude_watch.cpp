@@ -23,8 +23,8 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 std::string describe(const char* what, double angle_rad, double limit_rad) {
   char text[200];
-  std::snprintf(text, sizeof text, "the imu's %s of the last %.0f s contradicts it by %.0f deg (at most %.0f deg)", what,
-                kWindow_s, angle_rad / kDegree, limit_rad / kDegree);
+  std::snprintf(text, sizeof text, "the imu's %s of the last %.0f s contradicts it by %.0f deg (at most %.0f deg)",
+                what, kWindow_s, angle_rad / kDegree, limit_rad / kDegree);
   return text;
 }
 

@@ -34,7 +34,7 @@ class Accelerometer {
 
   /// The rig's acceleration in the camera's frame C, gravity removed [m/s^2]. The imu's position is neglected: 0.1 m
   /// off the camera and turning at 1 rad/s it measures 0.1 m/s^2 more, far below the range fusion's process noise.
-  /// @return nullopt if the message has none, or if tf does not yet know the imu's attitude at its stamp.
+  /// @return nullopt if the message has none, or if tf does not yet know the imu's attitude within 0.05 s of its stamp.
   std::optional<Eigen::Vector3d> read(const sensor_msgs::Imu& message, const std::string& camera_frame);
 
  private:
