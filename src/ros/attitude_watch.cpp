@@ -14,7 +14,7 @@ constexpr double kWindow_s = 2.0, kSure_s = 1.0, kGap_s = 0.5, kDisbelief_s = 10
 constexpr double kLeastForce_mps2 = 4.9;  // half of gravity; below, in a dive, its direction says little
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kForceLimit_rad = 60.0 * kDegree;  // a level turn banked by this, with 1.7 g aside for two seconds
-constexpr double kTurnLimit_rad = 20.0 * kDegree;   // a gyro's drift, and an attitude 0.1 s late at 3 rad/s
+constexpr double kTurnLimit_rad = 10.0 * kDegree;   // a gyro's drift, and an attitude 0.05 s late at 3 rad/s
 
 /// Between 0 and pi; NaN if there is a NaN.
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -69,23 +69,24 @@ std::optional<std::string> AttitudeWatch::contradiction() {
 }
 
 std::optional<std::string> AttitudeWatch::contradictionNow() const {
-  const double middle_s = 0.5 * (samples_.front().stamp_s + samples_.back().stamp_s);
-  Eigen::Vector3d force_G = Eigen::Vector3d::Zero(), before_G = force_G, after_G = force_G;
+  Eigen::Vector3d force_G = Eigen::Vector3d::Zero(), up_G = Eigen::Vector3d::Zero();
   std::size_t forces = 0;
   bool turns = false;
   for (const Sample& sample : samples_) {
-    (sample.stamp_s < middle_s ? before_G : after_G) += sample.up_G;
+    up_G += sample.up_G;
     turns |= sample.rate_I.norm() > 0.0;
     if (!sample.force_G.allFinite()) continue;
     force_G += sample.force_G;
     ++forces;
   }
-  const double leaning_rad = angleBetween(force_G, before_G + after_G);
+  const double leaning_rad = angleBetween(force_G, up_G);
   if (force_G.norm() >= kLeastForce_mps2 * static_cast<double>(forces) && leaning_rad > kForceLimit_rad) {
     return describe("acceleration", leaning_rad, kForceLimit_rad);
   }
-  const double turned_rad = angleBetween(before_G, after_G);
-  if (turns && turned_rad > kTurnLimit_rad) return describe("angular velocity", turned_rad, kTurnLimit_rad);
+  double sum_rad = 0.0;
+  for (const Sample& sample : samples_) sum_rad += angleBetween(sample.up_G, up_G);
+  const double straying_rad = sum_rad / static_cast<double>(samples_.size());
+  if (turns && straying_rad > kTurnLimit_rad) return describe("angular velocity", straying_rad, kTurnLimit_rad);
   return std::nullopt;
 }
 

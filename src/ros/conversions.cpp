@@ -71,12 +71,12 @@ void requireSixteenBits(const cv::Mat& values) {
 cv::Mat valuesOf(const sensor_msgs::Image& message) {
   const int channels = sensor_msgs::image_encodings::numChannels(message.encoding);
   const std::size_t row = std::size_t{2} * static_cast<std::size_t>(channels) * message.width;
-  if (message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
-    throw std::invalid_argument("it has fewer bytes than its width and height require");
+  if (row == 0 || message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
+    throw std::invalid_argument("it is empty, or has fewer bytes than its width and height require");
   }
   cv::Mat values(static_cast<int>(message.height), channels * static_cast<int>(message.width), CV_16UC1);
   for (int y = 0; y < values.rows; ++y) {
-    const std::uint8_t* bytes = &message.data[std::size_t{message.step} * static_cast<std::size_t>(y)];
+    const std::uint8_t* bytes = message.data.data() + std::size_t{message.step} * static_cast<std::size_t>(y);
     auto* to = values.ptr<std::uint16_t>(y);
     for (int x = 0; x < values.cols; ++x) {
       const int first = bytes[2 * x], second = bytes[2 * x + 1];

@@ -43,8 +43,11 @@ std::uint32_t RigPipeline::fit(const std_msgs::Header& camera, const sensor_msgs
   if (!T_C_F) return flight_corridor::kNoPose;
   const bool is_same =
       pipeline_ && camera_frame == camera_frame_ && same(geometry.calibration(), pipeline_->geometry().calibration());
-  if (!is_same) make(geometry, *T_C_F);
-  if (!is_fit_) pipeline_->setCorridor(config_.corridor);  // it may have changed in between
+  if (!is_same) {
+    make(geometry, *T_C_F);
+  } else if (!is_fit_) {
+    pipeline_->setCorridor(config_.corridor);  // it may have changed in between
+  }
   camera_frame_ = camera_frame;
   is_fit_ = true;
   if (std::exchange(lidar_moved_, false)) pipeline_->mountLidar(T_C_L_);
