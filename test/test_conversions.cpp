@@ -263,6 +263,11 @@ TEST(ToGrey, RefusesImagesWithTooLittleData) {
   const auto narrow = image("mono8", CV_8UC1);
   narrow->width = 600;
   EXPECT_THROW(toGrey(narrow), std::invalid_argument);
+  const auto rows_of_nothing = image("mono16", CV_16UC1);
+  rows_of_nothing->width = rows_of_nothing->step = 0;
+  rows_of_nothing->height = 4000000000u;
+  rows_of_nothing->data.clear();
+  EXPECT_THROW(toGrey(rows_of_nothing), std::invalid_argument);
 }
 
 TEST(ToDisparityImage, GivesTheDepthThatTheGeometryGives) {

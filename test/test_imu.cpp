@@ -118,6 +118,23 @@ TEST_F(AccelerometerTest, AnAttitudeThatIsNotThereIsNotWaitedFor) {
   EXPECT_TRUE(accelerometer.read(at_rest, "camera"));
 }
 
+TEST_F(AccelerometerTest, AfterTheLastPoseOfTfItCountsUntilTheNextComes) {
+  mountCamera();
+  mountImu(Eigen::Isometry3d::Identity());
+  const auto at_rest = [](double pitch, double stamp_s) {
+    return imu(specificForce(turned(0, pitch, 0), {0, 0, 0}), stamp_s);
+  };
+  fly(turned(0, 0.2, 0), 1.0);
+  const auto by_the_last = accelerometer.read(at_rest(0.2, 1.04), "camera");
+  ASSERT_TRUE(by_the_last);
+  EXPECT_NEAR(by_the_last->norm(), 0.0, kTolerance_mps2);
+  EXPECT_FALSE(accelerometer.read(at_rest(0.2, 1.06), "camera"));
+  fly(turned(0, 0.4, 0), 1.08);
+  const auto between = accelerometer.read(at_rest(0.3, 1.04), "camera");
+  ASSERT_TRUE(between);
+  EXPECT_NEAR(between->norm(), 0.0, kTolerance_mps2);
+}
+
 TEST_F(AccelerometerTest, AnImuWithoutAPlaceIsNotUsedUntilTfKnowsIt) {
   const sensor_msgs::Imu at_rest = imu({0, 0, kGravity_mps2});
   mountCamera();

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -79,6 +80,37 @@ TEST(Inbox, AClosedInboxBreaksThePromiseOfItsErrands) {
   inbox.put(std::move(after));
   EXPECT_THROW(before_done.get(), std::future_error);
   EXPECT_THROW(after_done.get(), std::future_error);
+}
+
+TEST(InTakersThread, WhatWasGivenUpIsNotDoneLater) {
+  Inbox inbox;
+  bool is_done = false;
+  const auto work = [&is_done] { is_done = true; };
+  EXPECT_THROW(inTakersThread(inbox, work, std::chrono::milliseconds(10)), std::runtime_error);
+  inbox.put(pairAt(1.0));
+  EXPECT_TRUE(inbox.take());
+  EXPECT_FALSE(is_done);
+}
+
+TEST(InTakersThread, WhatHasBegunIsWaitedFor) {
+  Inbox inbox;
+  auto taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
+  const auto work = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    return 7;
+  };
+  EXPECT_EQ(inTakersThread(inbox, work, std::chrono::milliseconds(100)), 7);
+  inbox.close();
+  EXPECT_FALSE(taken.get());
+}
+
+TEST(InTakersThread, WhatTheWorkThrowsIsThrown) {
+  Inbox inbox;
+  auto taken = std::async(std::launch::async, [&inbox] { return inbox.take(); });
+  EXPECT_THROW(inTakersThread(inbox, [] { throw std::invalid_argument("no"); }), std::invalid_argument);
+  inbox.close();
+  EXPECT_FALSE(taken.get());
+  EXPECT_THROW(inTakersThread(inbox, [] {}), std::future_error) << "its taker has ended";
 }
 
 TEST(Inbox, RangesWaitForThePairThatIsNotBeforeThem) {

@@ -176,7 +176,25 @@ TEST_F(ProcessorTest, AnImpossibleCalibrationBetweenForgetsNothingEither) {
   blind.right_info.P[3] = 0.0;
   EXPECT_EQ(processor.process(messages(blind)).verdict.reasons, kBadCalibration);
   EXPECT_EQ(processor.pipeline(), nullptr);
-  EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.1), 3).reasons & kRecentlyBlocked);
+  EXPECT_TRUE(see(kNear_m, kStart + ros::Duration(0.1), 1).reasons & kFrozenImage) << "by the pipeline of before";
+  EXPECT_EQ(processor.counters().frames, 2u);
+  blind.stamp(kStart + ros::Duration(0.15));
+  processor.process(messages(blind));
+  principal_point_px = 1.0;
+  EXPECT_TRUE(see(kFar_m, kStart + ros::Duration(0.2), 3).reasons & kRecentlyBlocked) << "by another";
+}
+
+TEST_F(ProcessorTest, ACorridorThatIsSetDuringAnImpossibleCalibrationCountsAfterIt) {
+  ASSERT_EQ(see(kNear_m, kStart, 1).state, State::Blocked);
+  StereoInputs blind(kFar_m, 2);
+  blind.stamp(kStart + ros::Duration(0.05));
+  blind.right_info.P[3] = 0.0;
+  processor.process(messages(blind));
+  CorridorConfig shorter = config.core.corridor;
+  shorter.length_m = kNear_m - 1.0;
+  processor.setCorridor(shorter);
+  EXPECT_NE(see(kNear_m, kStart + ros::Duration(0.1), 3).state, State::Blocked);
+  EXPECT_EQ(processor.counters().frames, 2u) << "by the pipeline of before";
 }
 
 TEST_F(ProcessorTest, ALidarFoundInAPairWithoutAPoseIsUsedInTheNext) {

@@ -119,6 +119,46 @@ TEST_F(UpDirectionTest, AnImuWithoutAnAttitudeOrAPlaceOrOfAnotherTimeSaysNothing
   EXPECT_FALSE(up.find(camera));
 }
 
+TEST_F(UpDirectionTest, AnOrientationThatTheForceContradictsIsNone) {
+  place("base_link", "imu_link", turned(0, 0, 0), ros::Time());
+  const auto shown = [&](const Eigen::Matrix3d& R_W_I) {
+    up.reset();
+    for (int i = -10; i <= 0; ++i) {
+      const auto message = imu(R_W_I, 10.0 + 0.01 * i);
+      message->linear_acceleration.z = 9.8;
+      up.add(message);
+    }
+    return up_B();
+  };
+  EXPECT_TRUE(shown(turned(0, 0, 0.5)).isApprox(Eigen::Vector3d::UnitZ(), 1e-6));
+  EXPECT_EQ(up.contradiction(), "");
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(shown(turned(M_PI, 0, 0.5)).isZero());
+  const std::string log = testing::internal::GetCapturedStderr();
+  for (const char* part : {"\"imu_link\"", "180 deg", "60 deg", "REP-145", "ENU"})
+    EXPECT_TRUE(contains(log, part)) << log;
+  EXPECT_TRUE(contains(up.contradiction(), "180 deg"));
+}
+
+TEST_F(UpDirectionTest, AnAttitudeByTfThatTheForceContradictsIsNone) {
+  place("base_link", "imu_link", turned(0, 0, 0), ros::Time());
+  const auto shown = [&](const Eigen::Matrix3d& R_W_B) {
+    up.reset();
+    for (int i = -10; i <= 0; ++i) {
+      const double stamp_s = 10.0 + 0.01 * i;
+      place("odom", "base_link", R_W_B, ros::Time(stamp_s));
+      const auto message = imu(turned(0, 0, 0), stamp_s);
+      message->linear_acceleration.z = 9.8;
+      message->orientation_covariance[0] = -1.0;
+      up.add(message);
+    }
+    return up_B();
+  };
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(shown(turned(0, M_PI_2, 0)).isZero());
+  EXPECT_TRUE(contains(testing::internal::GetCapturedStderr(), "\"odom\" (ros/gravity_frame)"));
+}
+
 TEST_F(UpDirectionTest, TfIsPreferredAndWaitedForWhereItIsKnownAtAll) {
   place("base_link", "imu_link", turned(0, 0, 0), ros::Time());
   place("odom", "base_link", turned(0.4, 0.0, 0.0), ros::Time(9.9));

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "flight_corridor/stereo/matching_rules.hpp"
 #include "flight_corridor/view/overlay.hpp"
@@ -19,8 +21,10 @@ namespace {
 
 constexpr double kSamePx = 0.01;             // rounding in a calibration file
 constexpr double kLongestLifetime_s = 60.0;  // ros::Duration holds no infinity
-constexpr int kLeastBrightest = 4096;        // of 16 bits: a sixteenth, below which nothing could be matched
-constexpr double kUnitNorm = 0.01;           // rounding in a quaternion typed by hand
+constexpr int kFewCounts = 4096;             // of 65536: 16 grey levels of the upper byte, too few to be matched
+constexpr double kBeyond = 0.001;            // share of the pixels, on each side, that may be dead ones
+constexpr int kFit = 224, kStep = 32;  // grey levels for the counts in use, the rest: they may drift within a step
+constexpr double kUnitNorm = 0.01;     // rounding in a quaternion typed by hand
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
@@ -55,31 +59,65 @@ bool isFullImage(const sensor_msgs::CameraInfo& info) {
 }
 
 /// Values of 10 or 12 bits in the low end of 16 would be darkness.
-/// @param upper bytes of them.
-void requireSixteenBits(const cv::Mat& upper) {
+void requireSixteenBits(const cv::Mat& values) {
   double brightest = 0.0;
-  cv::minMaxIdx(upper, nullptr, &brightest);
-  if (256.0 * brightest >= kLeastBrightest) return;
-  throw std::invalid_argument("every pixel is below " + std::to_string(kLeastBrightest) +
+  cv::minMaxIdx(values, nullptr, &brightest);
+  if (brightest >= kFewCounts) return;
+  throw std::invalid_argument("every pixel is below " + std::to_string(kFewCounts) +
                               " of 65535: values of 10 or 12 bits? Shift them up, or send mono8");
 }
 
-/// Of 16 bits the upper 8, so that a mosaic, too, is read as one of 8 bits.
-cv_bridge::CvImageConstPtr upperBytes(const sensor_msgs::Image& message) {
+/// The values of 16 bits, those of a pixel side by side.
+cv::Mat valuesOf(const sensor_msgs::Image& message) {
   const int channels = sensor_msgs::image_encodings::numChannels(message.encoding);
   const std::size_t row = std::size_t{2} * static_cast<std::size_t>(channels) * message.width;
-  if (message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
-    throw std::invalid_argument("it has fewer bytes than its width and height require");
+  if (row == 0 || message.step < row || message.data.size() < std::size_t{message.step} * message.height) {
+    throw std::invalid_argument("it is empty, or has fewer bytes than its width and height require");
   }
-  const cv::Mat bytes(static_cast<int>(message.height), channels * static_cast<int>(message.width), CV_8UC2,
-                      const_cast<std::uint8_t*>(message.data.data()), message.step);
-  const auto upper = boost::make_shared<cv_bridge::CvImage>();
-  upper->header = message.header;
-  upper->encoding = message.encoding.substr(0, message.encoding.size() - 2) + "8";  // mono16, bayer_rggb16, bgr16, ...
-  cv::extractChannel(bytes, upper->image, message.is_bigendian ? 0 : 1);
-  requireSixteenBits(upper->image);
-  upper->image = upper->image.reshape(channels);
-  return upper;
+  cv::Mat values(static_cast<int>(message.height), channels * static_cast<int>(message.width), CV_16UC1);
+  for (int y = 0; y < values.rows; ++y) {
+    const std::uint8_t* bytes = message.data.data() + std::size_t{message.step} * static_cast<std::size_t>(y);
+    auto* to = values.ptr<std::uint16_t>(y);
+    for (int x = 0; x < values.cols; ++x) {
+      const int first = bytes[2 * x], second = bytes[2 * x + 1];
+      to[x] = static_cast<std::uint16_t>(message.is_bigendian ? 256 * first + second : 256 * second + first);
+    }
+  }
+  return values;
+}
+
+/// As an image of 8 bits: a mosaic, too, is read as one of them.
+cv_bridge::CvImageConstPtr eightBits(const sensor_msgs::Image& message, EightOfSixteen bits) {
+  const cv::Mat values = valuesOf(message);
+  requireSixteenBits(values);
+  const auto eight = boost::make_shared<cv_bridge::CvImage>();
+  eight->header = message.header;
+  eight->encoding = message.encoding.substr(0, message.encoding.size() - 2) + "8";  // mono16, bayer_rggb16, bgr16, ...
+  cv::Mat grey(values.size(), CV_8UC1);
+  for (int y = 0; y < values.rows; ++y) {
+    const auto* from = values.ptr<std::uint16_t>(y);
+    std::uint8_t* to = grey.ptr(y);
+    for (int x = 0; x < values.cols; ++x) {
+      to[x] = cv::saturate_cast<std::uint8_t>(std::max(from[x] - bits.least, 0) >> bits.shift);
+    }
+  }
+  eight->image = grey.reshape(sensor_msgs::image_encodings::numChannels(message.encoding));
+  return eight;
+}
+
+/// Least and greatest of the values that two images use, but for few pixels.
+std::pair<int, int> usedCounts(const cv::Mat& left, const cv::Mat& right) {
+  std::vector<std::size_t> pixels(65536);
+  for (const cv::Mat& values : {left, right}) {
+    for (const std::uint16_t value : cv::Mat_<std::uint16_t>(values)) ++pixels[value];
+  }
+  const auto beyond = static_cast<std::size_t>(kBeyond * static_cast<double>(left.total() + right.total()));
+  int least = 0, greatest = 65535;
+  for (std::size_t below = pixels[0]; below <= beyond && least < greatest; below += pixels[++least]) {
+  }
+  for (std::size_t above = pixels[65535]; above <= beyond && least < greatest; above += pixels[--greatest]) {
+  }
+  return {least, greatest};
 }
 
 bool hasSixteenBits(const std::string& encoding) {
@@ -113,9 +151,21 @@ flight_corridor::RangeReading toReading(const sensor_msgs::Range& message) {
   return {message.header.stamp.toSec(), message.range, message.min_range, message.max_range, message.field_of_view};
 }
 
-cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) try {
+EightOfSixteen bitsOf(const sensor_msgs::Image& left, const sensor_msgs::Image& right) try {
+  if (!hasSixteenBits(left.encoding) || !hasSixteenBits(right.encoding)) return {};
+  const auto [least, greatest] = usedCounts(valuesOf(left), valuesOf(right));
+  const int counts = greatest - least;
+  if (counts == 0 || counts >= kFewCounts) return {};
+  int shift = 0;
+  while ((counts >> shift) > kFit) ++shift;
+  return {least - least % (kStep << shift), shift};
+} catch (const std::exception&) {  // toGrey() speaks
+  return {};
+}
+
+cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message, EightOfSixteen bits) try {
   namespace encodings = sensor_msgs::image_encodings;
-  if (hasSixteenBits(message->encoding)) return cv_bridge::cvtColor(upperBytes(*message), encodings::MONO8);
+  if (hasSixteenBits(message->encoding)) return cv_bridge::cvtColor(eightBits(*message, bits), encodings::MONO8);
   // 8UC1 is grey without saying so; cv_bridge does not convert it.
   const bool is_grey = message->encoding == encodings::TYPE_8UC1;
   return cv_bridge::toCvShare(message, is_grey ? message->encoding : encodings::MONO8);

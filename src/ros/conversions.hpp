@@ -28,10 +28,25 @@ flight_corridor::StereoCalibration toCalibration(const sensor_msgs::CameraInfo& 
 
 flight_corridor::RangeReading toReading(const sensor_msgs::Range& message);
 
+/// Which of 16 bits are read as 8: (value - least) >> shift.
+struct EightOfSixteen {
+  int least = 0, shift = 8;
+};
+
+/// The upper 8 bits, unless they hold fewer than 16 grey levels of the values that both images use, as of a thermal
+/// camera: then those bits in which these values fit, alike for left and right. Depends on these two images alone.
+EightOfSixteen bitsOf(const sensor_msgs::Image& left, const sensor_msgs::Image& right);
+
 /// The image as CV_8UC1; shared if it is already grey.
+/// @param bits of 16 that are read.
 /// @throws std::invalid_argument naming frame and encoding if the encoding is not an image's, the data is too short, or
 /// 16 bits hold at most 12.
-cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message);
+cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message, EightOfSixteen bits);
+
+/// An image alone.
+inline cv_bridge::CvImageConstPtr toGrey(const sensor_msgs::ImageConstPtr& message) {
+  return toGrey(message, bitsOf(*message, *message));
+}
 
 /// @throws std::invalid_argument unless the position is finite and the orientation a unit quaternion (to 1 %).
 Eigen::Isometry3d toPose(const geometry_msgs::Pose& message);

@@ -23,13 +23,15 @@ void Diagnostics::countPair() {
 }
 
 void Diagnostics::record(const flight_corridor::Report& report, const flight_corridor::Counters& counters,
-                         const flight_corridor::MatchingDevice& device, double age_s) {
+                         const flight_corridor::MatchingDevice& device, const std::string& attitude_fault,
+                         double age_s) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++verdicts_;
   refused_ += isRefusal(report);
   report_ = report;
   counters_ = counters;
   device_ = device;
+  attitude_fault_ = attitude_fault;
   age_s_ = age_s;
 }
 
@@ -95,6 +97,7 @@ void Diagnostics::describeCorridor(Status& status) {
                  : knows  ? DiagnosticStatus::OK
                           : DiagnosticStatus::WARN,
                  answers ? toString(verdict.state) : "no verdict");
+  if (!attitude_fault_.empty()) status.mergeSummary(DiagnosticStatus::WARN, attitude_fault_);
   status.add("reasons", flight_corridor::describeReasons(verdict.reasons));
   status.add("clear distance [m]", verdict.clear_distance_m);
   status.add("scale [-]", report_.scale);

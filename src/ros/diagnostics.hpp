@@ -3,6 +3,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 
 #include <mutex>
+#include <string>
 
 #include "flight_corridor/pipeline.hpp"
 #include "ros/heartbeat.hpp"
@@ -19,7 +20,7 @@ class Diagnostics {
   void countPair();
   /// A verdict was published; the counters are the pipeline's, all 0 without one.
   void record(const flight_corridor::Report& report, const flight_corridor::Counters& counters,
-              const flight_corridor::MatchingDevice& device, double age_s);
+              const flight_corridor::MatchingDevice& device, const std::string& attitude_fault, double age_s);
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
@@ -39,6 +40,7 @@ class Diagnostics {
   flight_corridor::Report report_;
   flight_corridor::Counters counters_;
   flight_corridor::MatchingDevice device_;
+  std::string attitude_fault_;
   double age_s_ = flight_corridor::kNaN;
   diagnostic_updater::Updater updater_;
   Heartbeat heartbeat_;

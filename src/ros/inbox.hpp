@@ -3,10 +3,12 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <future>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -66,14 +68,19 @@ class Inbox {
 };
 
 /// Does work in the thread of the inbox's taker and waits for its result.
-/// @throws what the work throws; std::runtime_error if the taker hangs or has ended.
+/// @param patience until the taker must have begun; no pair takes so long. What has begun is waited for.
+/// @throws what the work throws; std::runtime_error, and the work is never done, if the taker does not begin in time;
+/// std::future_error if it has ended.
 template <typename Work>
-auto inTakersThread(Inbox& inbox, Work work) {
-  constexpr std::chrono::seconds kPatience(5);  // no pair takes this long: the taker hangs
+auto inTakersThread(Inbox& inbox, Work work, std::chrono::milliseconds patience = std::chrono::seconds(5)) {
   std::packaged_task<decltype(work())()> task(std::move(work));
   auto result = task.get_future();
-  inbox.put(Inbox::Errand(std::move(task)));
-  if (result.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("the node is stuck");
+  const auto is_settled = std::make_shared<std::atomic<bool>>(false);  // by who is first: the taker, or who gives up
+  inbox.put(Inbox::Errand([task = std::move(task), is_settled]() mutable {
+    if (!is_settled->exchange(true)) task();
+  }));
+  const bool is_late = result.wait_for(patience) != std::future_status::ready;
+  if (is_late && !is_settled->exchange(true)) throw std::runtime_error("the node is stuck: nothing was done");
   return result.get();
 }
 

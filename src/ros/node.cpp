@@ -113,7 +113,7 @@ void Node::answer(const StereoMessages& pair) {
 void Node::publish(const std_msgs::Header& header, const Report& report) {
   publishers_.publishVerdict(header, report);
   answered_s_ = steadySeconds();
-  diagnostics_.record(report, processor_.counters(), processor_.device(),
+  diagnostics_.record(report, processor_.counters(), processor_.device(), processor_.attitudeFault(),
                       ros::Time::now().toSec() - header.stamp.toSec());
 }
 

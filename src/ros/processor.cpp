@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,8 @@ constexpr std::uint32_t kRefused =
     flight_corridor::kNoData | flight_corridor::kNoPose | flight_corridor::kBadImage | flight_corridor::kBadCalibration;
 
 constexpr double kUseless_s = 1.0;  // a LiDAR without a useful reading for this long gets a warning
+constexpr int kBlack = 4;           // of 255; noise of a covered lens
+constexpr double kMuchBlack = 0.2;  // share of an image that gets a warning
 
 /// Of an image or CameraInfo, for messages.
 template <typename Message>
@@ -57,8 +60,9 @@ const flight_corridor::Report& Processor::process(const StereoMessages& pair) {
     return report_ = refusal(header.stamp, reasons);
   }
   addReadings(header, imu_messages);
-  left_ = readImage(pair.left, *pair.left_info);
-  const auto right = readImage(pair.right, *pair.right_info);
+  const EightOfSixteen bits = bitsOf(*pair.left, *pair.right);
+  left_ = readImage(pair.left, *pair.left_info, bits);
+  const auto right = readImage(pair.right, *pair.right_info, bits);
   report_ = rig_->process({header.stamp.toSec(), left_->image, right->image}, cameraPose(header));
   rig_.watchDevice();
   explain(pair, right->image);
@@ -182,6 +186,21 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
         "surfaces, exposure, a covered lens, images that are not rectified together, or left and right exchanged",
         config_.core.stereo.min_matched_fraction);
   }
+  if (report_.verdict.state == flight_corridor::State::Unknown && !is_empty) {
+    explainBlack("left", left_->image);
+    explainBlack("right", right);
+  }
+}
+
+/// Logs that much of an image is black.
+void Processor::explainBlack(const char* side, const cv::Mat& image) {
+  const double share = static_cast<double>(cv::countNonZero(image <= kBlack)) / static_cast<double>(image.total());
+  if (!(share > kMuchBlack) || !black_warning_.due()) return;
+  ROS_WARN(
+      "%.0f %% of the %s image is black (at most %d of 255), more than %.0f %%: nothing is matched there. Check for a "
+      "covered lens and for exposure; a border that rectification left goes by alpha = 0, which keeps only valid "
+      "pixels",
+      100.0 * share, side, kBlack, 100.0 * kMuchBlack);
 }
 
 std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& header) {
@@ -212,13 +231,13 @@ std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Heade
 
 /// An empty image if the message is unreadable: the pipeline answers BAD_IMAGE.
 cv_bridge::CvImageConstPtr Processor::readImage(const sensor_msgs::ImageConstPtr& message,
-                                                const sensor_msgs::CameraInfo& info) try {
+                                                const sensor_msgs::CameraInfo& info, EightOfSixteen bits) try {
   if (message->width != info.width || message->height != info.height) {
     throw std::invalid_argument("image of " + message->header.frame_id + " is " + sizeOf(*message) +
                                 " px, its CameraInfo says " + sizeOf(info) +
                                 ": UNKNOWN. Send full images, or the CameraInfo of the scaled ones");
   }
-  const auto image = boost::make_shared<cv_bridge::CvImage>(*toGrey(message));
+  const auto image = boost::make_shared<cv_bridge::CvImage>(*toGrey(message, bits));
   image->image = scaled(image->image, config_.ros.scale);
   return image;
 } catch (const std::invalid_argument& error) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "flight_corridor/pipeline.hpp"
+#include "ros/conversions.hpp"
 #include "ros/imu.hpp"
 #include "ros/inbox.hpp"
 #include "ros/params.hpp"
@@ -73,6 +74,8 @@ class Processor {
   const sensor_msgs::CameraInfoConstPtr& leftInfo() const { return left_info_; }
   /// Of the present pipeline, and of the readings refused before it; all 0 without one.
   flight_corridor::Counters counters();
+  /// What contradicted the direction of up when it was last needed, in words; empty: nothing.
+  const std::string& attitudeFault() const { return up_.contradiction(); }
   /// See RigPipeline.
   const flight_corridor::MatchingDevice& device() const { return rig_.device(); }
 
@@ -84,9 +87,11 @@ class Processor {
   void watchRefused(const char* sensor, const Inbox::Refused& refused, std::uint64_t& known);
   void watchLidar(const flight_corridor::RangeReading& reading);
   void explain(const StereoMessages& pair, const cv::Mat& right);
+  void explainBlack(const char* side, const cv::Mat& image);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
   std::optional<Eigen::Isometry3d> poseInAnyFrame(const std_msgs::Header& header) const;
-  cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message, const sensor_msgs::CameraInfo& info);
+  cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message, const sensor_msgs::CameraInfo& info,
+                                       EightOfSixteen bits);
 
   const NodeConfig config_;
   const Transforms& transforms_;
@@ -105,7 +110,7 @@ class Processor {
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
-      pose_warning_, heading_warning_, motion_warning_;
+      black_warning_, pose_warning_, heading_warning_, motion_warning_;
 };
 
 }  // namespace flight_corridor_ros

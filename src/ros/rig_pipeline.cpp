@@ -42,9 +42,14 @@ std::uint32_t RigPipeline::fit(const std_msgs::Header& camera, const sensor_msgs
   const auto T_C_F = forward(camera);
   if (!T_C_F) return flight_corridor::kNoPose;
   const bool is_same =
-      is_fit_ && camera_frame == camera_frame_ && same(geometry.calibration(), pipeline_->geometry().calibration());
-  if (!is_same) make(geometry, *T_C_F);
+      pipeline_ && camera_frame == camera_frame_ && same(geometry.calibration(), pipeline_->geometry().calibration());
+  if (!is_same) {
+    make(geometry, *T_C_F);
+  } else if (!is_fit_) {
+    pipeline_->setCorridor(config_.corridor);  // it may have changed in between
+  }
   camera_frame_ = camera_frame;
+  is_fit_ = true;
   if (std::exchange(lidar_moved_, false)) pipeline_->mountLidar(T_C_L_);
   pipeline_->pointAlong(*T_C_F);
   return 0;
@@ -60,7 +65,6 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   auto pipeline = std::make_unique<Pipeline>(config_, geometry, flight_corridor::Rig{T_C_L_, T_C_F});
   if (pipeline_) pipeline->takeOver(*pipeline_);
   pipeline_ = std::move(pipeline);
-  is_fit_ = true;
   const StereoCalibration& calibration = geometry.calibration();
   ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, matched on %s", calibration.size_px.width, calibration.size_px.height,
            calibration.fx_px, calibration.baseline_m, pipeline_->matchingDevice().name.c_str());
@@ -75,8 +79,8 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   const double smallest_px = calibration.fx_px * corridor.smallest_obstacle_m / corridor.length_m;
   if (smallest_px > 0.0 && smallest_px < kNarrowest_px) {
     ROS_WARN(
-        "corridor/smallest_obstacle_m (%.2f m) is %.1f px wide at the corridor's end: such thin obstacles are missed, "
-        "and the verdict is FREE. Use larger images (ros/scale), or a shorter corridor/length_m: %.0f px are needed",
+        "corridor/smallest_obstacle_m (%.2f m) is %.1f px wide at the corridor's end: obstacles so thin may be missed. "
+        "Use larger images (ros/scale), or a shorter corridor/length_m: %.0f px are needed",
         corridor.smallest_obstacle_m, smallest_px, kNarrowest_px);
   }
 }

@@ -68,7 +68,7 @@ class RigPipeline {
   std::optional<Eigen::Isometry3d> T_C_L_;
   bool lidar_moved_ = false;  // since the pipeline got its pose
   std::unique_ptr<flight_corridor::Pipeline> pipeline_;
-  bool is_fit_ = false;  // else pipeline_ is only remembered for the next one to take over from
+  bool is_fit_ = false;  // else pipeline_ is only kept for when its rig, or another, comes
   flight_corridor::MatchingDevice device_;
   Throttle warning_, lidar_warning_, level_warning_;
 };

@@ -9,9 +9,10 @@ namespace flight_corridor_ros {
 
 namespace {
 
-constexpr double kLeastHeading = 0.17;  // sine of 10 degrees off the vertical
-constexpr double kNear_s = 0.1;         // at 1 rad/s an attitude of then is 6 degrees off
-constexpr double kUnitNorm = 0.01;      // rounding in a quaternion
+constexpr double kLeastHeading = 0.17;      // sine of 10 degrees off the vertical
+constexpr double kNear_s = 0.1;             // at 1 rad/s an attitude of then is 6 degrees off
+constexpr double kUnitNorm = 0.01;          // rounding in a quaternion
+constexpr std::size_t kMostWaiting = 2000;  // two seconds of an imu at 1 kHz
 
 }  // namespace
 
@@ -34,16 +35,64 @@ std::optional<Eigen::Vector3d> toUp(const sensor_msgs::Imu& message) {
 }
 
 void UpDirection::add(const sensor_msgs::ImuConstPtr& imu) {
-  if (toUp(*imu) && !(imu_ && imu->header.stamp < imu_->header.stamp)) imu_ = imu;
+  const auto up_I = toUp(*imu);
+  if (up_I) imu_watch_.add(*imu, *up_I);
+  if (up_I && !(imu_ && imu->header.stamp < imu_->header.stamp)) imu_ = imu;
+  not_watched_.push_back(imu);
+  if (not_watched_.size() > kMostWaiting) not_watched_.pop_front();
 }
 
 std::optional<Eigen::Vector3d> UpDirection::find(const std_msgs::Header& camera) {
-  if (const auto up_C = byTf(camera, 0.0)) return up_C;
-  if (const auto up_C = byImu(camera)) return up_C;
-  const bool tf_knows_it = transforms_.find(camera.frame_id, gravity_frame_, ros::Time(0)).has_value();
-  if (tf_knows_it) {
-    if (const auto up_C = byTf(camera, tf_timeout_s_)) return up_C;
+  contradiction_.clear();
+  std::optional<Eigen::Vector3d> up_C = byTf(camera, 0.0);
+  bool is_by_tf = up_C.has_value();
+  if (!up_C) up_C = byImu(camera);
+  const bool tf_knows_it = up_C || transforms_.find(camera.frame_id, gravity_frame_, ros::Time(0));
+  if (!up_C && tf_knows_it) {
+    up_C = byTf(camera, tf_timeout_s_);
+    is_by_tf = true;
   }
+  if (!up_C) warnUnknown(camera, tf_knows_it);
+  if (!up_C || isContradicted(is_by_tf)) return std::nullopt;
+  return up_C;
+}
+
+void UpDirection::reset() {
+  imu_.reset();
+  not_watched_.clear();
+  imu_watch_.reset();
+  tf_watch_.reset();
+  contradiction_.clear();
+}
+
+/// Whether what the imu measured contradicts tf, or the imu's own orientation.
+bool UpDirection::isContradicted(bool is_by_tf) {
+  if (is_by_tf) watchTf();
+  const auto found = (is_by_tf ? tf_watch_ : imu_watch_).contradiction();
+  const std::string source = is_by_tf ? "tf's attitude in \"" + gravity_frame_ + "\" (ros/gravity_frame)"
+                                      : "the orientation of imu \"" + (imu_ ? imu_->header.frame_id : "") + "\"";
+  contradiction_ = found ? source + ": " + *found : "";
+  if (found && contradiction_warning_.due()) {
+    ROS_ERROR(
+        "%s. So the direction of up is unknown: a level corridor (corridor/level) is UNKNOWN, and every range of scan "
+        "and obstacle_distance is NaN. Wanted are, by REP-103 and REP-145, the attitude of the imu's frame (x forward, "
+        "y left, z up) in a world of which z is up (ENU, not NED), a quaternion x, y, z, w that turns the imu's frame "
+        "into the world, and at rest +9.8 m/s^2 along up",
+        contradiction_.c_str());
+  }
+  return found.has_value();
+}
+
+/// Shows tf's attitudes at the imu's stamps to their watch.
+void UpDirection::watchTf() {
+  for (const auto& imu : not_watched_) {
+    const auto T_I_W = transforms_.find(imu->header.frame_id, gravity_frame_, imu->header.stamp);
+    if (T_I_W) tf_watch_.add(*imu, T_I_W->linear().col(2));
+  }
+  not_watched_.clear();
+}
+
+void UpDirection::warnUnknown(const std_msgs::Header& camera, bool tf_knows_it) {
   if (warning_.due()) {
     ROS_WARN(
         "the direction of up is unknown at %.3f: tf %s \"%s\" (ros/gravity_frame) to \"%s\", and there is no Imu with "
@@ -53,7 +102,6 @@ std::optional<Eigen::Vector3d> UpDirection::find(const std_msgs::Header& camera)
         camera.stamp.toSec(), tf_knows_it ? "is late from" : "does not connect", gravity_frame_.c_str(),
         camera.frame_id.c_str(), kNear_s);
   }
-  return std::nullopt;
 }
 
 std::optional<Eigen::Vector3d> UpDirection::byTf(const std_msgs::Header& camera, double timeout_s) const {

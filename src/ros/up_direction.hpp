@@ -4,9 +4,11 @@
 #include <std_msgs/Header.h>
 
 #include <Eigen/Core>
+#include <deque>
 #include <optional>
 #include <string>
 
+#include "ros/attitude_watch.hpp"
 #include "ros/heartbeat.hpp"
 #include "ros/transforms.hpp"
 
@@ -33,21 +35,30 @@ class UpDirection {
   void add(const sensor_msgs::ImuConstPtr& imu);
 
   /// Unit vector in the camera's frame C at its stamp: by tf, else by an imu message within 0.1 s.
-  /// @return nullopt, and a throttled warning, if neither knows.
+  /// @return nullopt, and a throttled warning, if neither knows, or what the imu measures contradicts it.
   std::optional<Eigen::Vector3d> find(const std_msgs::Header& camera);
 
+  /// What contradicted the last direction, in words; empty: nothing.
+  const std::string& contradiction() const { return contradiction_; }
+
   /// Forgets the imu.
-  void reset() { imu_.reset(); }
+  void reset();
 
  private:
   std::optional<Eigen::Vector3d> byTf(const std_msgs::Header& camera, double timeout_s) const;
   std::optional<Eigen::Vector3d> byImu(const std_msgs::Header& camera) const;
+  bool isContradicted(bool is_by_tf);
+  void watchTf();
+  void warnUnknown(const std_msgs::Header& camera, bool tf_knows_it);
 
   std::string gravity_frame_;
   const Transforms& transforms_;
   double tf_timeout_s_;
   sensor_msgs::ImuConstPtr imu_;
-  Throttle warning_;
+  std::deque<sensor_msgs::ImuConstPtr> not_watched_;  // of which tf's attitude was not asked yet
+  AttitudeWatch imu_watch_, tf_watch_;
+  std::string contradiction_;
+  Throttle warning_, contradiction_warning_;
 };
 
 }  // namespace flight_corridor_ros

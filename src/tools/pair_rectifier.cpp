@@ -21,11 +21,12 @@ bool haveSameCalibration(const CameraInfo& a, const CameraInfo& b) {
 }
 
 /// As a matrix of 8 bits: a mosaic of colours cannot be interpolated.
-cv_bridge::CvImageConstPtr toPicture(const sensor_msgs::ImageConstPtr& message) {
+cv_bridge::CvImageConstPtr toPicture(const sensor_msgs::ImageConstPtr& message,
+                                     flight_corridor_ros::EightOfSixteen bits) {
   const std::string& encoding = message->encoding;
   const bool has_colour = encodings::isColor(encoding) || encodings::isBayer(encoding);
   if (has_colour && encodings::bitDepth(encoding) == 8) return cv_bridge::toCvShare(message, encodings::BGR8);
-  return flight_corridor_ros::toGrey(message);
+  return flight_corridor_ros::toGrey(message, bits);
 }
 
 sensor_msgs::ImagePtr toMessage(const std_msgs::Header& header, const cv::Mat& image) {
@@ -53,7 +54,8 @@ flight_corridor_ros::StereoMessages PairRectifier::rectify(const flight_corridor
   const auto right_info = boost::make_shared<CameraInfo>(ideal.right);
   cv::Mat left, right;
   try {
-    const cv_bridge::CvImageConstPtr raw_left = toPicture(raw.left), raw_right = toPicture(raw.right);
+    const auto bits = flight_corridor_ros::bitsOf(*raw.left, *raw.right);
+    const cv_bridge::CvImageConstPtr raw_left = toPicture(raw.left, bits), raw_right = toPicture(raw.right, bits);
     const auto fits = [](const cv::Mat& image, const CameraInfo& info) {
       return image.cols == static_cast<int>(info.width) && image.rows == static_cast<int>(info.height);
     };
