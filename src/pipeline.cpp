@@ -66,6 +66,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
     : config_(valid(config)),
       geometry_(geometry),
       rig_(rig),
+      covered_(coveredPixels(rig.own_parts, geometry.size())),
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, nearestDepth()),
@@ -75,6 +76,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       fan_inspector_(geometry),
       recent_block_(config.corridor.hold_s) {
   requireSight(config.corridor, geometry, nearestDepth());
+  disparity_estimator_.setCovered(covered_);
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -173,7 +175,9 @@ void Pipeline::decide() {
   const Box box_C = boxInCamera();
   const double smallest_m = smallestInspected(corridor);
   BandWorkers& workers = disparity_estimator_.workers();
-  workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
+  workers.run(2, [&](int side, int) {
+    side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
+  });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
   const BoxEvidence& shown =
       inspector_.inspect(box_C, evidence(), corridor.blind_m, smallest_m, isLidarValid(box_C), workers).front();
