@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
@@ -246,7 +247,9 @@ int main(int argc, char** argv) {
   CLI::App app("Cost of a frame by the paper's chain, by stock parts and by ours.", "compare_chain");
   app.add_option("--bag", bag, "bag to read")->type_name("F.bag")->required();
   app.add_option("--paper", paper, "the paper's settings")->type_name("F.yaml");
-  app.add_option("--frames", frames, "pairs that are read at most")->type_name("N")->check(tools::number(6.0));
+  app.add_option("--frames", frames, "pairs that are read at most")
+      ->type_name("N")
+      ->check(tools::wholeNumber(6, std::numeric_limits<int>::max()));
   app.footer("CPU: of all threads, a frame. peak MiB: beyond what was there before, in a process of its own.");
   return tools::runTool(app, argc, argv, [&] { compare(record(bag, frames), tools::readConfig(paper, {}).core); });
 }

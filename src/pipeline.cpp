@@ -72,6 +72,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
     : config_(valid(config)),
       geometry_(geometry),
       rig_(rig),
+      covered_(coveredPixels(rig.own_parts, geometry.size())),
       disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, disparity_estimator_.nearestDepth()),
@@ -84,6 +85,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       earlier_(geometry),
       obstacles_(config.map) {
   requireSight(config.corridor, geometry, disparity_estimator_.nearestDepth());
+  disparity_estimator_.setCovered(covered_);
 }
 
 const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) {
@@ -214,7 +216,9 @@ void Pipeline::decide() {
   const CorridorConfig& corridor = config_.corridor;
   const Box box_C = boxInCamera();
   BandWorkers& workers = disparity_estimator_.workers();
-  workers.run(2, [&](int side, int) { side == 0 ? left_texture_.find(pair_.left) : right_texture_.find(pair_.right); });
+  workers.run(2, [&](int side, int) {
+    side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
+  });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
   if (report_.lidar_range_valid) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);

@@ -56,6 +56,11 @@ class Parameters(unittest.TestCase):
         self.assertIn("corridor/length_m: ", output)
         self.assertIn("corridor/offset_m: expects a list of three numbers", output)
 
+    def test_a_mask_that_is_no_image_is_named(self):
+        code, output = start({"stereo/mask": "/nowhere/mask.png"})
+        self.assertEqual(code, 1, output)
+        self.assertIn("stereo/mask: no readable image (/nowhere/mask.png)", output)
+
 
 if __name__ == "__main__":
     rostest.rosrun("flight_corridor", "parameters", Parameters)

@@ -192,5 +192,15 @@ TEST_F(ClearRaysTest, WhatIsMatchedBesideNeverMakesARayClearFarther) {
   }
 }
 
+/// Where the UAV's own parts cover a run without texture, a surface may end behind them: texture without matches.
+TEST_F(ClearRaysTest, ARunThatReachesACoveredPartIsNotClear) {
+  makeBare(100, 200);
+  look();
+  ASSERT_TRUE(isLeftClear(110, 3.0 + kNoise_px));
+  textured_.colRange(140, 160) = 255;
+  look();
+  for (const int u : {110, 139, 150, 160, 190}) EXPECT_FALSE(isLeftClear(u, 100.0)) << u;
+}
+
 }  // namespace
 }  // namespace flight_corridor

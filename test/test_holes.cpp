@@ -31,7 +31,7 @@ class HolesTest : public testing::Test {
     BandWorkers workers(1);
     const cv::Mat textured = texturedAllOver(kVgaGeometry.size());
     rays.look(evidence_, textured, textured, correction, workers);
-    return Holes(kVgaGeometry).find(box, rays, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear).front();
+    return Holes(kVgaGeometry).find(box, {rays, evidence_, EarlierPairs(kVgaGeometry)}, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear).front();
   }
 
   /// Something of which nothing is matched hides the wall from both cameras.

@@ -20,7 +20,7 @@ cv::Vec3b pixelOfWindow(State state, double clear_distance_m, int u, int v) {
   verdict.state = state;
   verdict.clear_distance_m = clear_distance_m;
   cv::Mat out;
-  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC1, cv::Scalar(100)), kVgaGeometry, boxAhead(), verdict,
+  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC1, cv::Scalar(100)), {}, kVgaGeometry, boxAhead(), verdict,
               RangeEstimate(), out);
   return out.at<cv::Vec3b>(v, u);
 }
@@ -40,6 +40,21 @@ TEST(Overlay, TheWindowStandsWhereTheCorridorEnds) {
   const cv::Vec3b background(100, 100, 100);
   EXPECT_EQ(pixelOfWindow(State::Free, kInfinity, 400, 250), background);
   EXPECT_NE(pixelOfWindow(State::Blocked, 2.0, 400, 250), background);
+}
+
+TEST(Overlay, OwnPartsAreHatchedInBlackAndWhite) {
+  cv::Mat covered = cv::Mat::zeros(kVgaGeometry.size(), CV_8UC1), out;
+  const cv::Rect part(20, 210, 60, 60);  // no line or text there
+  covered(part) = 255;
+  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC1, cv::Scalar(100)), covered, kVgaGeometry, boxAhead(), Verdict(),
+              RangeEstimate(), out);
+  cv::Mat white, black;
+  cv::inRange(out, cv::Scalar::all(255), cv::Scalar::all(255), white);
+  cv::inRange(out, cv::Scalar::all(0), cv::Scalar::all(0), black);
+  for (const cv::Mat& line : {white, black}) {
+    EXPECT_EQ(cv::countNonZero(line(part)), part.area() / 6);
+    EXPECT_EQ(cv::countNonZero(line(cv::Rect(80, 210, 60, 60))), 0);
+  }
 }
 
 TEST(Overlay, DepthIsBlackWhereThereIsNone) {
@@ -68,8 +83,8 @@ TEST(Overlay, ABoxThatReachesBehindTheCameraIsDrawnWithoutHarm) {
   box.T_M_F.translation().z() = -3.0;
   Verdict verdict;
   cv::Mat out;
-  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC3, cv::Scalar::all(9)), kVgaGeometry, box, verdict, RangeEstimate(),
-              out);
+  drawOverlay(cv::Mat(kVgaGeometry.size(), CV_8UC3, cv::Scalar::all(9)), {}, kVgaGeometry, box, verdict,
+              RangeEstimate(), out);
   EXPECT_EQ(out.size(), kVgaGeometry.size());
 }
 

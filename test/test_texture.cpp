@@ -43,6 +43,16 @@ cv::Mat waves(double amplitude, double period_px) {
 
 double share(const cv::Mat& mask) { return cv::countNonZero(mask) / static_cast<double>(mask.total()); }
 
+TEST(Texture, IsWhereTheViewIsCovered) {
+  cv::Mat covered = cv::Mat::zeros(kSize, CV_8UC1);
+  covered(cv::Rect(200, 100, 50, 40)) = 255;
+  const cv::Mat image = noisy(ramp(0.0, 0.0), 1.0);
+  Texture texture;
+  const cv::Mat expected = texture.find(image) | covered;
+  ASSERT_LT(share(expected), 0.1);
+  EXPECT_EQ(cv::norm(texture.find(image, covered), expected, cv::NORM_INF), 0.0);
+}
+
 /// The RMS of a block of 16 x 16 px is off by 6 %; that a fifth of the blocks have less makes 5 % of it.
 TEST(Texture, TheNoiseIsThatOfWhatIsSmooth) {
   for (const double sigma : {1.0, 2.0, 3.0, 4.0, 5.0}) {

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "support/temporary_folder.hpp"
 #include "tools/command_line.hpp"
 
 namespace flight_corridor::tools {
@@ -85,6 +88,57 @@ TEST_F(CommandLineTest, AnOptionIsNoValueOfTheOneBeforeIt) {
 TEST_F(CommandLineTest, RefusesARepeatedOptionAndAMissingOne) {
   EXPECT_NE(usageError({"--in", "a", "--in", "b"}).find("--in"), std::string::npos) << error;
   EXPECT_EQ(usageError({"--quiet"}), "tool: --in is required");
+}
+
+TEST_F(CommandLineTest, NamesAllMissingOptionsAtOnce) {
+  app.add_option("--out", in, "what to write")->required();
+  app.add_option("--truth", in, "what else to write")->required();
+  EXPECT_EQ(usageError({}), "tool: --in, --out, --truth are required");
+  EXPECT_EQ(usageError({"--out", "a"}), "tool: --in, --truth are required");
+  EXPECT_EQ(usageError({"--out", "a", "--truth", "b"}), "tool: --in is required");
+}
+
+TEST_F(CommandLineTest, TakesWholeNumbersInDecimalDigitsAlone) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();  // 18446744073709551615
+  std::uint64_t seed = 1;
+  int threads = 1;
+  app.add_option("--seed", seed, "varies")->check(wholeNumber(0, kLargest));
+  app.add_option("--threads", threads, "how many")->check(wholeNumber(1, 8));
+  EXPECT_EQ(run({"--in", "a", "--seed", "18446744073709551615", "--threads", "8"}), 0);
+  EXPECT_EQ(seed, kLargest);
+  EXPECT_EQ(run({"--in", "a", "--seed", "0"}), 0);
+  EXPECT_EQ(seed, 0u);
+  const auto complaint = [this](const std::string& option, const std::string& text) {
+    return usageError({"--in", "a", option, text});
+  };
+  for (const std::string text : {"18446744073709551616", "99999999999999999999999999"}) {
+    EXPECT_EQ(complaint("--seed", text), "tool: --seed: must be at most 18446744073709551615 (" + text + ")");
+  }
+  EXPECT_EQ(complaint("--seed", "-1"), "tool: --seed: must be at least 0 (-1)");
+  EXPECT_EQ(complaint("--threads", "0"), "tool: --threads: must be at least 1 (0)");
+  EXPECT_EQ(complaint("--threads", "9"), "tool: --threads: must be at most 8 (9)");
+  EXPECT_EQ(complaint("--seed", "010"), "tool: --seed: '010' begins with 0: write it without");
+  for (const std::string text : {"0x10", "1e3", "1.5", "ten", "", "+1", " 1", "1 ", "-"}) {
+    EXPECT_EQ(complaint("--seed", text), "tool: --seed: '" + text + "' is not a whole number");
+  }
+}
+
+TEST_F(CommandLineTest, RefusesAFileToBeWrittenThatCannotBeBeforeTheWork) {
+  const test_support::TemporaryFolder folder;
+  std::string table;
+  app.add_option("--csv", table, "what to write")->check(outputFile());
+  work = [] { throw std::runtime_error("worked"); };
+  const std::string missing = folder.path("missing/flight.csv");
+  EXPECT_EQ(usageError({"--in", "a", "--csv", missing}),
+            "tool: --csv: " + missing + ": there is no folder " + folder.path("missing"));
+  EXPECT_EQ(usageError({"--in", "a", "--csv", folder.path("")}),
+            "tool: --csv: '" + folder.path("") + "' is no file's name");
+  EXPECT_EQ(usageError({"--in", "a", "--csv", ""}), "tool: --csv: '' is no file's name");
+  work = [] {};
+  for (const std::string& path : {folder.path("flight.csv"), std::string("flight.csv")}) {
+    EXPECT_EQ(run({"--in", "a", "--csv", path}), 0) << error;
+    EXPECT_EQ(table, path);
+  }
 }
 
 TEST_F(CommandLineTest, NamesTheLimitThatANumberBreaks) {

@@ -18,6 +18,7 @@
 #include "flight_corridor/motion/earlier_pairs.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "flight_corridor/stereo/own_parts.hpp"
 #include "flight_corridor/stereo/texture.hpp"
 #include "flight_corridor/types.hpp"
 
@@ -28,10 +29,11 @@ struct StageTimes {
   double stereo_ms = 0, fusion_ms = 0, cloud_ms = 0, map_ms = 0, corridor_ms = 0, total_ms = 0;
 };
 
-/// Poses of the rig.
+/// Poses of the rig, and what of the UAV its left camera sees.
 struct Rig {
   std::optional<Eigen::Isometry3d> T_C_L;          ///< LiDAR (beam along +x); without it LiDAR readings are not used.
   Eigen::Isometry3d T_C_F = opticalFromForward();  ///< Initial frame of the corridor (x forward): pointAlong().
+  OwnParts own_parts{};
 };
 
 /// The whole result of one stereo pair.
@@ -49,8 +51,8 @@ struct Counters : RangeCounts {
 /// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one caller at a time; in flight nothing throws.
 class Pipeline {
  public:
-  /// @throws std::invalid_argument with every broken rule of the config or the rig, or if stereo sees nothing before
-  /// the corridor's last quarter.
+  /// @throws std::invalid_argument with every broken rule of the config or the rig, if stereo sees nothing before the
+  /// corridor's last quarter, or if the mask of own parts does not fit.
   Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
 
   /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the first pair that is not
@@ -128,6 +130,8 @@ class Pipeline {
   cv::Mat doubtful() const { return inspector_.doubtful(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
+  /// CV_8UC1, see coveredPixels(); empty: the UAV covers nothing of the left image.
+  const cv::Mat& covered() const { return covered_; }
   /// The learnt scale and offset of the rig.
   const ScaleCorrection& scale() const { return range_tracker_.scale(); }
   /// Told motion against that of the images.
@@ -164,6 +168,7 @@ class Pipeline {
   Config config_;
   StereoGeometry geometry_;
   Rig rig_;
+  cv::Mat covered_;
   mutable DisparityEstimator disparity_estimator_;  // a query borrows its threads
   RangeTracker range_tracker_;
   mutable OccupancyMap map_;

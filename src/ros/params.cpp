@@ -113,6 +113,7 @@ Fields bind(NodeConfig& config) {
     for (const auto& [name, field] : fields) all.emplace(section + "/" + name, field);
   };
   add("stereo", bind(config.core.stereo));
+  add("stereo", {{"mask", &config.mask}});
   add("lidar", bind(config.core.lidar));
   add("fusion", bind(config.core.fusion));
   add("scale", bind(config.core.scale));

@@ -24,6 +24,7 @@ flight_corridor::Violations check(const RosConfig& config);
 struct NodeConfig {
   flight_corridor::Config core;
   RosConfig ros;
+  std::string mask;  ///< `stereo/mask`: image file, see readOwnParts(); "": nothing of the UAV is in view.
 };
 
 /// Configuration with these values, defaults elsewhere. An int is accepted where a double is expected, not the reverse.

@@ -8,6 +8,7 @@
 #include "ros/conversions.hpp"
 #include "ros/imu.hpp"
 #include "ros/inbox.hpp"
+#include "ros/own_parts_file.hpp"
 #include "ros/params.hpp"
 #include "ros/rig_pipeline.hpp"
 #include "ros/transforms.hpp"
@@ -25,13 +26,14 @@ bool isRefusal(const flight_corridor::Report& report);
 class Processor {
  public:
   /// @param inbox with the waiting readings of LiDAR and imu.
-  /// @throws std::invalid_argument if stereo/device is "gpu" and no GPU matches pairs: requireDevice().
+  /// @throws std::invalid_argument if stereo/mask is no readable image, or if stereo/device is "gpu" and no GPU matches
+  /// pairs: requireDevice().
   Processor(const NodeConfig& config, const Transforms& transforms, Inbox& inbox)
       : config_(config),
         transforms_(transforms),
         inbox_(inbox),
         up_(config.ros.gravity_frame, transforms, config.ros.tf_timeout_s),
-        rig_(config.core, transforms, config.ros.tf_timeout_s, up_),
+        rig_(config.core, readOwnParts(config.mask, config.ros.scale), transforms, config.ros.tf_timeout_s, up_),
         accelerometer_(config.ros.gravity_frame, transforms),
         empty_map_(config.core.map.resolution_m) {
     flight_corridor::requireDevice(config.core.stereo);

@@ -119,7 +119,8 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
     return info;
   });
   publish("overlay", [&] {
-    drawOverlay(left, pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range, overlay_);
+    drawOverlay(left, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,
+                overlay_);
     return toImage(header, overlay_, encodings::BGR8);
   });
 }

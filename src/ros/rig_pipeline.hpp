@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flight_corridor/pipeline.hpp"
@@ -18,9 +19,15 @@ namespace flight_corridor_ros {
 /// The pipeline for the rig described by CameraInfo and tf, rebuilt when the cameras change. One thread.
 class RigPipeline {
  public:
-  /// @param tf_timeout_s longest wait for the corridor's frame.  @param up for a level corridor.
-  RigPipeline(const flight_corridor::Config& config, const Transforms& transforms, double tf_timeout_s, UpDirection& up)
-      : config_(config), transforms_(transforms), tf_timeout_s_(tf_timeout_s), up_(up) {}
+  /// @param own_parts in the images to process.  @param tf_timeout_s longest wait for the corridor's frame.
+  /// @param up for a level corridor.
+  RigPipeline(const flight_corridor::Config& config, flight_corridor::OwnParts own_parts, const Transforms& transforms,
+              double tf_timeout_s, UpDirection& up)
+      : config_(config),
+        own_parts_(std::move(own_parts)),
+        transforms_(transforms),
+        tf_timeout_s_(tf_timeout_s),
+        up_(up) {}
 
   /// Makes the pipeline fit a stereo pair. The LiDAR is the first range sensor that tf knows and whose beam ends in the
   /// camera's view, else the first that points ahead; it stays the LiDAR while that holds, at its newest pose in tf.
@@ -61,6 +68,7 @@ class RigPipeline {
   std::optional<Eigen::Isometry3d> frameOfCorridor(const std_msgs::Header& camera);
 
   flight_corridor::Config config_;
+  const flight_corridor::OwnParts own_parts_;
   const Transforms& transforms_;
   double tf_timeout_s_;
   UpDirection& up_;

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 #include "flight_corridor/types.hpp"
+#include "sim/projector.hpp"
 #include "sim/shadows.hpp"
 
 namespace flight_corridor::sim {
@@ -15,6 +17,7 @@ struct Light {
   double haze_m = kInfinity;               ///< At this distance 63 % of the image's grey is haze.
   bool has_clouds = false;                 ///< false: a white sky.
   std::shared_ptr<const Shadows> shadows;  ///< Null: nothing throws a shadow.
+  std::optional<ProjectedDots> dots;       ///< Absent: no projector.
 };
 
 }  // namespace flight_corridor::sim

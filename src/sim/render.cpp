@@ -14,7 +14,8 @@ constexpr float kHaze = 0.75f;
 constexpr int kSkyId = -1;
 constexpr int kLeafId = -2;  // of all leaves; their outlines are not anti-aliased: there are too many
 constexpr int kTile_px = 8;
-constexpr int kSubsamples = 8;  // on outlines only
+constexpr int kSubsamples = 8;       // on outlines only
+constexpr float kUnhidden = 0.999f;  // of the way from the projector to a point: its own surface does not hide it
 
 /// Where on the image a primitive can be.
 struct Extent {
@@ -249,10 +250,27 @@ class Renderer {
     const float footprint_m = path_m / static_cast<float>(camera_.fx_px) / std::sqrt(facing);
     float sun = std::max(normal_O.dot(view.to_sun_O), 0.0f);
     if (light_.shadows && sun > 0.0f) sun *= light_.shadows->lit(view.primitive->T_W_O.cast<float>() * point_O);
-    const float light = light_.ambient + (1.0f - light_.ambient) * sun;
+    float light = light_.ambient + (1.0f - light_.ambient) * sun;
+    if (light_.dots) light += dotLight(view, point_O, normal_O);
     const float radiance = light * reflectance(view.primitive->material, point_O, footprint_m);
     if (light_.haze_m == kInfinity) return radiance;
     return kHaze + (radiance - kHaze) * std::exp(-path_m / static_cast<float>(light_.haze_m));
+  }
+
+  /// Of the projector, unless something stands between.
+  float dotLight(const View& view, const Eigen::Vector3f& point_O, const Eigen::Vector3f& normal_O) const {
+    const Eigen::Isometry3f T_W_O = view.primitive->T_W_O.cast<float>();
+    const Eigen::Vector3f point_W = T_W_O * point_O;
+    const float light =
+        light_.dots->light(point_W, T_W_O.linear() * normal_O, 1.0f / static_cast<float>(camera_.fx_px));
+    if (light == 0.0f) return light;
+    const Eigen::Vector3f origin_W = light_.dots->T_P_W.inverse().translation().cast<float>();
+    const auto hides = [&](const View& other) {
+      const Eigen::Isometry3f T_V_W = other.primitive->T_W_O.inverse().cast<float>();
+      const auto hit = intersect(*other.primitive, T_V_W * origin_W, T_V_W.linear() * (point_W - origin_W));
+      return hit && hit->t < kUnhidden;
+    };
+    return std::any_of(views_.begin(), views_.end(), hides) ? 0.0f : light;
   }
 
   const Camera& camera_;

@@ -20,7 +20,8 @@ constexpr double kFirstStamp_s = 100.0;  ///< Of a flight; not zero: that means 
 struct Scene {
   std::vector<Primitive> world;
   Light light;
-  std::optional<Sun> sun;  ///< Absent: not in the image.
+  std::optional<Sun> sun;                 ///< Absent: not in the image.
+  std::optional<DotProjector> projector;  ///< On the rig; absent: none.
   Rig rig;
   LidarModel lidar;
   Flight flight;

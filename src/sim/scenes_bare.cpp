@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "sim/scene_builders.hpp"
 #include "sim/scene_parts.hpp"
 
@@ -108,13 +110,25 @@ void whiteWall(Scene& scene, Random& random) {
   maybeWithoutLidar(scene, random);
 }
 
+/// The blank wall in the light of the rig's projector: in the sun its dots drown in noise, in a dim room they are all
+/// that shows.
+void projector(Scene& scene, Random& random) {
+  addWallOf(plain(0.55), scene, random);
+  DotProjector dots;
+  dots.T_C_P.translation() = Eigen::Vector3d(0.03, 0.0, 0.0);
+  dots.strength = std::pow(10.0, random.uniform(-0.7, 1.3));
+  dots.seed = random.word();
+  scene.projector = dots;
+  maybeWithoutLidar(scene, random);
+}
+
 }  // namespace
 
 std::vector<SceneBuilder> bareBuilders() {
   return {{"bare_beam", Visibility::Unseeable, bareBeam},      {"bare_column", Visibility::Unseeable, bareColumn},
           {"bare_hall", Visibility::Unseeable, bareHall},      {"bare_hallway", Visibility::Unseeable, bareHallway},
           {"bare_on_bare", Visibility::Unseeable, bareOnBare}, {"bare_slant", Visibility::Unseeable, bareSlant},
-          {"white_wall", Visibility::Unseeable, whiteWall}};
+          {"projector", Visibility::Unseeable, projector},     {"white_wall", Visibility::Unseeable, whiteWall}};
 }
 
 }  // namespace flight_corridor::sim

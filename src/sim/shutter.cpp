@@ -11,8 +11,13 @@ constexpr int kMoments = 5;  // of an exposure: 4 px of motion blur are sampled 
 
 cv::Mat lightAt(const Scene& scene, double time_s, CameraOfRig camera_of_rig) {
   const std::vector<Primitive> world = visibleAt(scene.world, time_s);
-  const Camera camera = camera_of_rig(scene.rig, scene.flight.T_W_B(time_s));
-  cv::Mat radiance = render(world, camera, scene.light).radiance;
+  const Eigen::Isometry3d T_W_B = scene.flight.T_W_B(time_s);
+  const Camera camera = camera_of_rig(scene.rig, T_W_B);
+  Light light = scene.light;
+  if (scene.projector) {
+    light.dots = ProjectedDots{*scene.projector, (T_W_B * scene.rig.T_B_C * scene.projector->T_C_P).inverse()};
+  }
+  cv::Mat radiance = render(world, camera, light).radiance;
   if (scene.sun) addGlare(*scene.sun, world, camera, radiance);
   return radiance;
 }

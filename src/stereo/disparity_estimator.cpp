@@ -158,6 +158,9 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
 
 void DisparityEstimator::estimate(const StereoFrame& frame, Disparity& out) {
   match(frame, out);
+  if (!covered_.empty()) {
+    for (cv::Mat* map : {&out.best_px, &out.repeated_px}) map->setTo(kNaN, covered_);
+  }
   out.matched_fraction = patches_.keep(out.best_px, out.repeated_px) / static_cast<double>(out.best_px.total());
 }
 

@@ -48,7 +48,7 @@ double noiseOf(const cv::Mat& grey, std::vector<float>& spreads) {
 
 }  // namespace
 
-const cv::Mat& Texture::find(const cv::Mat& grey) {
+const cv::Mat& Texture::find(const cv::Mat& grey, const cv::Mat& covered) {
   noise_ = noiseOf(grey, spreads_);
   textured_.create(grey.size(), CV_8UC1);
   const int enough = static_cast<int>(kAboveNoise * 2.0 * noise_ * noise_ * kWindow * kWindow);
@@ -69,6 +69,7 @@ const cv::Mat& Texture::find(const cv::Mat& grey) {
     findRow(grey, v, enough);
     add(v - kAlong_px, -1);
   }
+  if (!covered.empty()) textured_.setTo(255, covered);
   return textured_;
 }
 

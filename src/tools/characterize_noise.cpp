@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <stdexcept>
 
 #include "tools/command_line.hpp"
@@ -81,7 +82,9 @@ int main(int argc, char** argv) {
   std::size_t samples = 150;
   CLI::App app("Measures the noise of both ranges from a bag in which nothing moves.", "characterize_noise");
   addOptions(app, input);
-  app.add_option("--samples", samples, "samples to use of each range")->type_name("N")->check(number(kFewestSamples));
+  app.add_option("--samples", samples, "samples to use of each range")
+      ->type_name("N")
+      ->check(wholeNumber(kFewestSamples, std::numeric_limits<std::size_t>::max()));
   app.footer(
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
       "configuration, with scale correction switched off; refuses recordings that moved. stereo_variance_m2 adds to "

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
@@ -64,7 +65,9 @@ void writeRow(const Options& options, const sim::Flown& flown, bool way_exists) 
 void fly(Options options) {
   cv::setNumThreads(options.threads);
   const sim::World world = sim::makeWorld(options.world, options.seed);
-  const Config given = readConfig(options.config, options.overrides).core;
+  const flight_corridor_ros::NodeConfig node_config = readConfig(options.config, options.overrides);
+  if (!node_config.mask.empty()) throw std::invalid_argument("stereo/mask: no part of this quadrotor is in its view");
+  const Config& given = node_config.core;
   options.loop.lidar_fault.kind = sim::lidarFaultFromName(options.lidar_fault);
   options.loop.speed = given.speed;
   sim::ClosedLoop loop(world, options.loop, options.seed);
@@ -77,6 +80,7 @@ void fly(Options options) {
   const bool is_ours = options.rule == "corridor" || options.rule == "newest";
   if (!is_ours) rule = bench::yardstick(options.rule, loop, config.stereo.num_disparities_px);
   const std::string name = options.world + "_" + std::to_string(options.seed) + "_" + options.rule;
+  if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);  // fails before the flight
   FlyPictures pictures(loop, name, options.video, options.loop.rate_hz);
   const bool draws = !options.video.empty() || !options.pictures.empty();
   const sim::Flown flown = loop.fly(rule, [&](const sim::Observation& seen, const sim::Way& way) {
@@ -84,7 +88,6 @@ void fly(Options options) {
   });
   writeRow(options, flown, way_exists);
   if (!options.pictures.empty()) {
-    std::filesystem::create_directories(options.pictures);
     pictures.write(options.pictures + "/" + name + "_" + sim::toString(flown.ending) + ".png",
                    flown.hit ? "hit: " + describe(*flown.hit) : sim::toString(flown.ending));
   }
@@ -102,8 +105,11 @@ int main(int argc, char** argv) {
   app.add_option("--world", options.world, "world to fly through, see --list")->type_name("NAME")->required();
   app.add_option("--csv", options.table, "table to write: one line, how the flight went")
       ->type_name("F.csv")
+      ->check(outputFile())
       ->required();
-  app.add_option("--seed", options.seed, "varies the world and the noise")->type_name("N")->check(number(0.0));
+  app.add_option("--seed", options.seed, "varies the world and the noise")
+      ->type_name("N")
+      ->check(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()));
   app.add_option("--rule", options.rule,
                  "what decides: corridor (this package), newest (it, without memory),\npaper or stock")
       ->type_name("NAME");
@@ -129,9 +135,13 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "overrides one key of it")
       ->type_name("key=value")
       ->allow_extra_args(false);
-  app.add_option("--video", options.video, "the flight from the camera and from above")->type_name("F.avi");
+  app.add_option("--video", options.video, "the flight from the camera and from above")
+      ->type_name("F.avi")
+      ->check(outputFile());
   app.add_option("--pictures", options.pictures, "folder for the last picture of it")->type_name("DIR");
-  app.add_option("--threads", options.threads, "of this program")->type_name("N")->check(number(1.0));
+  app.add_option("--threads", options.threads, "of this program")
+      ->type_name("N")
+      ->check(wholeNumber(1, std::numeric_limits<int>::max()));
   app.add_flag_callback(
       "--list", [] { answer(flight_corridor::sim::worldNames()); }, "print the names of the worlds");
   app.footer("The same options give the same flight.");

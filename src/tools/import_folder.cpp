@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
                  "folder with left/, right/ (2.png comes before 10.png) and calib.yaml,\nor an EuRoC folder")
       ->type_name("D")
       ->required();
-  app.add_option("--out", bag, "bag to write")->type_name("F.bag")->required();
+  app.add_option("--out", bag, "bag to write")->type_name("F.bag")->check(outputFile())->required();
   app.add_option("--rate", reading.rate_hz, "rate of the pairs where nothing gives their stamps")
       ->type_name("HZ")
       ->check(number(0.001));

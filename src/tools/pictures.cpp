@@ -85,7 +85,8 @@ void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipel
   const State state = report.verdict.state;
   const bool wants_overlay = wantsOverlay(index, state);
   if (wants_overlay || !options_.video.empty()) {
-    drawOverlay(left, pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range, overlay_);
+    drawOverlay(left, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,
+                overlay_);
   }
   if (wants_overlay) writeOverlay(index, pipeline, report);
   if (!options_.depth_folder.empty()) {

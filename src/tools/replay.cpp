@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -146,7 +147,6 @@ void list(const ReplayInput& input) {
 }
 
 void replay(const ReplayInput& input, Outputs outputs) {
-  if (outputs.table.empty()) throw CLI::RequiredError("--csv");
   keepInput(input, outputs);
   const flight_corridor_ros::NodeConfig config = readConfig(input.config, input.overrides);
   const StereoBagReader bag(input.bag, input.topics, input.reading);
@@ -200,14 +200,24 @@ int main(int argc, char** argv) {
   bool lists = false;
   CLI::App app("Runs the corridor pipeline on a bag.", "replay");
   addOptions(app, input);
-  app.add_option("--csv", outputs.table, "table to write, a line per stereo pair; needed unless --list")
-      ->type_name("R.csv");
-  app.add_flag("--list", lists,
-               "print the bag's topics, type, count and rate, and what would be read,\nand do no more");
-  app.add_option("--out", outputs.verdicts, "bag to write: the verdicts as messages")->type_name("G.bag");
+  CLI::Option* csv = app.add_option("--csv", outputs.table, "table to write, a line per stereo pair; not with --list")
+                         ->type_name("R.csv")
+                         ->check(outputFile())
+                         ->required();
+  app.add_flag_callback(
+      "--list",
+      [&] {
+        lists = true;
+        csv->required(false);
+      },
+      "print the bag's topics, type, count and rate, and what would be read,\nand do no more");
+  app.add_option("--out", outputs.verdicts, "bag to write: the verdicts as messages")
+      ->type_name("G.bag")
+      ->check(outputFile());
   app.add_option("--map", outputs.map,
                  "file for the last map: .ot with log-odds, .bt with free, occupied\nand unknown only")
-      ->type_name("M.ot");
+      ->type_name("M.ot")
+      ->check(outputFile());
   CLI::Option* overlays =
       app.add_option("--overlays", outputs.pictures.overlay_folder,
                      "folder for pictures of overlay, matched depth (white: matched behind\nthe box, but fits in it as "
@@ -215,13 +225,14 @@ int main(int argc, char** argv) {
           ->type_name("DIR");
   app.add_option("--overlay-every", outputs.pictures.overlay_every, "... and one at every N frames")
       ->type_name("N")
-      ->check(number(0.0))
+      ->check(wholeNumber(0, std::numeric_limits<int>::max()))
       ->needs(overlays);
   app.add_option("--depth", outputs.pictures.depth_folder, "folder for corrected depth images, uint16 mm")
       ->type_name("DIR");
   app.add_option("--video", outputs.pictures.video,
                  "video of overlay, depth, the map from above, and the verdicts over\ntime")
-      ->type_name("V.avi");
+      ->type_name("V.avi")
+      ->check(outputFile());
   app.footer(
       "The node's pipeline without a master: the same bag gives the same table, times aside.\n"
       "Images are taken for raw, and rectified, where their CameraInfo or the calibration has distortion or a "

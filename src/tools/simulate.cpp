@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
@@ -93,11 +94,14 @@ int main(int argc, char** argv) {
   std::string bag, truth;
   CLI::App app("Simulates a flight of the stereo rig and its LiDAR, with exact truth.", "simulate");
   app.add_option("--scene", options.scene, "scene to fly through, see --list")->type_name("NAME")->required();
-  app.add_option("--out", bag, "bag to write")->type_name("F.bag")->required();
-  app.add_option("--truth", truth, "truth of the corridor, a line per stereo pair")->type_name("T.csv")->required();
+  app.add_option("--out", bag, "bag to write")->type_name("F.bag")->check(outputFile())->required();
+  app.add_option("--truth", truth, "truth of the corridor, a line per stereo pair")
+      ->type_name("T.csv")
+      ->check(outputFile())
+      ->required();
   app.add_option("--seed", options.seed, "varies positions, speeds, textures and noise")
       ->type_name("N")
-      ->check(number(0.0));
+      ->check(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()));
   app.add_option("--rate", options.rate_hz, "stereo pairs per second")->type_name("HZ")->check(number(1.0));
   app.add_option("--image-scale", options.image_scale, "1 = 640x480, 0.5 = 320x240")
       ->type_name("S")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -28,6 +29,17 @@ Eigen::Vector3d corner(const Box& box_C, double x_m, int index) {
   return box_C.T_M_F * Eigen::Vector3d(x_m, side * box_C.size_m.y(), up * box_C.size_m.z());
 }
 
+/// Oblique lines, black beside white: seen on any picture, by any eye.
+void hatch(const cv::Mat& covered, cv::Mat& out) {
+  constexpr int kPeriod_px = 12, kLine_px = 2;
+  for (int v = 0; v < covered.rows; ++v) {
+    for (int u = 0; u < covered.cols; ++u) {
+      const int line = (u + v) % kPeriod_px / kLine_px;
+      if (covered.at<std::uint8_t>(v, u) && line < 2) out.at<cv::Vec3b>(v, u) = cv::Vec3b::all(line == 0 ? 255 : 0);
+    }
+  }
+}
+
 }  // namespace
 
 cv::Scalar colour(State state) {
@@ -42,9 +54,10 @@ cv::Scalar colour(State state) {
   return {0, 180, 255};
 }
 
-void drawOverlay(const cv::Mat& left, const StereoGeometry& geometry, const Box& box_C, const Verdict& verdict,
-                 const RangeEstimate& range, cv::Mat& out) {
+void drawOverlay(const cv::Mat& left, const cv::Mat& covered, const StereoGeometry& geometry, const Box& box_C,
+                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out) {
   toColour(left, out);
+  hatch(covered, out);
   const cv::Scalar paint = colour(verdict.state);
   Canvas canvas(geometry, out);
   const double end_m = box_C.size_m.x();

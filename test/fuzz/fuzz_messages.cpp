@@ -152,8 +152,8 @@ void convert(Bytes& bytes, const StereoMessages& pair, Processor& processor) {
   toProjectedMap(processor.mapHeader(), processor.map());
   if (processor.lidar()) toRange(header.stamp, report.range, pipeline->config().lidar, *processor.lidar());
   cv::Mat overlay;
-  flight_corridor::drawOverlay(processor.left(), pipeline->geometry(), pipeline->boxInCamera(), report.verdict,
-                               report.range, overlay);
+  flight_corridor::drawOverlay(processor.left(), pipeline->covered(), pipeline->geometry(), pipeline->boxInCamera(),
+                               report.verdict, report.range, overlay);
   if (bytes.integer(0, 3) == 0) convertDirections(bytes, header, processor, *pipeline);
 }
 

@@ -50,12 +50,15 @@ class DisparityEstimator {
 
   void setSmallestObstacle(double edge_m) { patches_.setSmallestObstacle(edge_m); }
 
+  /// @param covered CV_8UC1, see coveredPixels(): estimate() finds no match there; empty: nothing is covered.
+  void setCovered(const cv::Mat& covered) { covered_ = covered; }
+
   /// @param frame both images CV_8UC1 of geometry.size().
   /// @param out refilled.
   /// @throws std::invalid_argument naming the image that does not fit, and why.
   void estimate(const StereoFrame& frame, Disparity& out);
 
-  /// The same before patches are removed.
+  /// The same before patches are removed, and also where the view is covered.
   void match(const StereoFrame& frame, DisparityEvidence& out);
 
   /// Threads for further work on the pair; cv::getNumThreads() at construction.
@@ -73,6 +76,7 @@ class DisparityEstimator {
   SemiGlobalMatcher matcher_;
   std::unique_ptr<DeviceMatcher> device_matcher_;  // null: the CPU's
   MatchingDevice device_;
+  cv::Mat covered_;
   Patches patches_;
 };
 

@@ -11,8 +11,10 @@ namespace flight_corridor {
 /// of the image's own noise; a ramp of light has no variance. One object, one thread.
 class Texture {
  public:
-  /// @param grey CV_8UC1.  @return CV_8UC1, 255 where there is texture; valid until the next call.
-  const cv::Mat& find(const cv::Mat& grey);
+  /// @param grey CV_8UC1.  @param covered CV_8UC1, see coveredPixels(): texture without matches, so that a run without
+  /// texture ends there, at no known surface; empty: nothing is covered.
+  /// @return CV_8UC1, 255 where there is texture; valid until the next call.
+  const cv::Mat& find(const cv::Mat& grey, const cv::Mat& covered = cv::Mat());
 
   /// Of the last image.
   const cv::Mat& mask() const { return textured_; }

@@ -15,11 +15,12 @@
 namespace flight_corridor {
 
 /// The paper's window on the left image: the corridor's box as outline, its far end filled; green free, red blocked,
-/// amber unknown; state, d_K and clear distance as text.
+/// amber unknown; state, d_K and clear distance as text. The UAV's own parts are hatched in black and white.
 /// @param left  CV_8UC1 or CV_8UC3 (BGR).   @param box_C  the box with M = C.
+/// @param covered  CV_8UC1 of that size, see coveredPixels(); empty: nothing is covered.
 /// @param out   CV_8UC3 (BGR), refilled, same size.
-void drawOverlay(const cv::Mat& left, const StereoGeometry& geometry, const Box& box_C, const Verdict& verdict,
-                 const RangeEstimate& range, cv::Mat& out);
+void drawOverlay(const cv::Mat& left, const cv::Mat& covered, const StereoGeometry& geometry, const Box& box_C,
+                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out);
 
 /// One line at the lower edge of a picture, CV_8UC3.
 void writeCaption(const std::string& text, cv::Mat& image);
