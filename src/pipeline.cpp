@@ -73,7 +73,8 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       inspector_(geometry),
       query_inspector_(geometry),
       fan_inspector_(geometry),
-      recent_block_(config.corridor.hold_s) {
+      recent_block_(config.corridor.hold_s),
+      rectification_(geometry) {
   requireSight(config.corridor, geometry, nearestDepth());
 }
 
@@ -85,11 +86,12 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   const Stopwatch total(report_.times.total_ms);
   newest_stamp_s_ = frame.stamp_s;
   image_faults_ = images_.faults(frame);
-  frame.left.copyTo(pair_.left);
-  frame.right.copyTo(pair_.right);
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
     const Stopwatch stage(report_.times.stereo_ms);
+    report_.rows = rectification_.look(frame, pair_);
+    frame.left.copyTo(pair_.left);
+    frame.right.copyTo(pair_.right);
     disparity_estimator_.estimate(frame, disparity_);
   }
   {
@@ -140,7 +142,8 @@ void Pipeline::trackRange() {
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
 bool Pipeline::isTrusted() const {
-  return image_faults_ == 0 && (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
+  return image_faults_ == 0 && report_.rows.fault == RowFault::None &&
+         (box_reasons_ & (kAmbiguous | kNoDisparity)) == 0 && !report_.lidar_is_nearer;
 }
 
 void Pipeline::updateMap() const {
@@ -182,6 +185,7 @@ void Pipeline::decide() {
   verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.reasons = box_reasons_ | reasonsOf(report_);
   verdict.reasons |= image_faults_;  // one image on both topics, too: every surface would be infinitely far
+  if (report_.rows.fault != RowFault::None) verdict.reasons |= kBadCalibration;
   verdict.block(kShortRange, beamEndInBox(box_C));
   if (remembers()) verdict.block(kOccupiedCell, cellsIn(map_.tree(), box()).clear_distance_m);
   if (stateOf(verdict.reasons) == State::Blocked) {

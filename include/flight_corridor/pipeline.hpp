@@ -15,6 +15,7 @@
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "flight_corridor/stereo/rectification_watch.hpp"
 #include "flight_corridor/stereo/texture.hpp"
 #include "flight_corridor/types.hpp"
 
@@ -34,6 +35,7 @@ struct Rig {
 /// The whole result of one stereo pair.
 struct Report : TrackedRange {
   Verdict verdict;
+  RowAgreement rows;    ///< If it has a fault, the verdict is BAD_CALIBRATION.
   bool clears = false;  ///< The free space of this pair is trusted: it went into the map.
   StageTimes times;
 };
@@ -163,6 +165,7 @@ class Pipeline {
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
+  RectificationWatch rectification_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   std::uint32_t box_reasons_ = 0;   // reasons from its evidence about the corridor
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
