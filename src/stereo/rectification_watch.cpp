@@ -163,15 +163,20 @@ RectificationWatch::Summary RectificationWatch::summary(const Look& look) const 
 void RectificationWatch::judge(const StereoFrame& pair, const StereoFrame& before) {
   Look all;
   for (const Look& look : looks_) all.insert(all.end(), look.begin(), look.end());
-  const Summary summary = this->summary(all), newest = this->summary(looks_.back());
+  const Summary summary = this->summary(all);
+  const auto shows_fault = [this](const Look& look) {
+    const Summary one = this->summary(look);
+    return one.harmful > 0 || one.is_wrong_lens;
+  };
   RowFault fault = agreement_.fault;
   if (summary.harmful >= kFewestParts || summary.is_wrong_lens) {
     fault = lateImage(pair, before);
     if (fault == RowFault::None) fault = summary.likeliest();
-  } else if (summary.known >= kFewestParts && !mayStillBeLate(pair, before)) {
+  } else if (summary.known >= kFewestParts && std::none_of(looks_.begin(), looks_.end(), shows_fault) &&
+             !mayStillBeLate(pair, before)) {
     fault = RowFault::None;
   }
-  is_suspect_ = summary.harmful > 0 || newest.harmful > 0 || fault != RowFault::None;
+  is_suspect_ = summary.harmful > 0 || fault != RowFault::None || shows_fault(looks_.back());
   agreement_ = summary.rows;
   agreement_.fault = fault;
 }
