@@ -81,6 +81,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       query_inspector_(geometry),
       fan_inspector_(geometry),
       recent_block_(config.corridor.hold_s),
+      rectification_(geometry),
       motion_(geometry),
       earlier_(geometry),
       obstacles_(config.map) {
@@ -96,11 +97,12 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   const Stopwatch total(report_.times.total_ms);
   newest_stamp_s_ = frame.stamp_s;
   image_faults_ = images_.faults(frame);
-  frame.left.copyTo(pair_.left);
-  frame.right.copyTo(pair_.right);
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
     const Stopwatch stage(report_.times.stereo_ms);
+    report_.rows = rectification_.look(frame, pair_);
+    frame.left.copyTo(pair_.left);
+    frame.right.copyTo(pair_.right);
     disparity_estimator_.estimate(frame, disparity_);
   }
   {
@@ -227,7 +229,7 @@ void Pipeline::decide() {
   const BoxEvidence& shown = inspector_.inspect(box_C, evidence(), corridor, {lidarDisparity(box_C)}, workers).front();
   std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) pair_reasons |= kNoDisparity;
-  if (motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
+  if (report_.rows.fault != RowFault::None || motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
   if (!motion_.pose()) pair_reasons |= kNoMotion;
   Verdict& verdict = report_.verdict;
   verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));

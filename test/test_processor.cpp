@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -128,6 +129,18 @@ TEST_F(ProcessorTest, ABaselineInMillimetresIsABadCalibrationAlsoForTheFirstPair
     processor.reset();
     EXPECT_EQ(processor.process(messages(inputs)).verdict.reasons, kBadCalibration) << factor;
   }
+}
+
+TEST_F(ProcessorTest, RowsThatDisagreeAreABadCalibrationUntilTimeStartsAnew) {
+  StereoInputs low(kFar_m, 1);
+  low.stamp(kStart);
+  std::rotate(low.right->data.begin(), low.right->data.end() - 4 * low.right->step, low.right->data.end());
+  EXPECT_TRUE(processor.process(messages(low)).verdict.reasons & kBadCalibration);
+  EXPECT_EQ(processor.report().rows.fault, flight_corridor::RowFault::Offset);
+  EXPECT_EQ(processor.products(), nullptr);
+  EXPECT_NE(see(kFar_m, kStart + ros::Duration(0.1), 2).state, State::Free) << "one pair of two";
+  processor.reset();
+  EXPECT_EQ(see(kFar_m, kStart + ros::Duration(0.2), 3).state, State::Free);
 }
 
 TEST_F(ProcessorTest, ImagesOfHalfTheCalibrationsSizeAreBadImages) {

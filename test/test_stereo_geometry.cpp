@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "support/calibrations.hpp"
@@ -130,6 +132,94 @@ TEST(StereoGeometry, APrincipalPointOffAlongOneSideIsALens) {
       EXPECT_EQ(message(moved), "accepted") << across << ' ' << down;
     }
   }
+}
+
+/// A calibration of which the principal point is at these shares of width and height.
+StereoCalibration withPrincipalPoint(cv::Size size_px, double across, double down) {
+  StereoCalibration calibration = vgaCalibration();
+  calibration.size_px = size_px;
+  calibration.cx_px = calibration.cx_right_px = across * size_px.width;
+  calibration.cy_px = down * size_px.height;
+  return calibration;
+}
+
+bool isRefused(const StereoCalibration& calibration) {
+  try {
+    const StereoGeometry geometry(calibration);
+    return false;
+  } catch (const std::invalid_argument&) {
+    return true;
+  }
+}
+
+TEST(StereoGeometry, RefusesTheCalibrationOfASensorForAPartOfItAndNamesThePart) {
+  const auto rows = [](int height_px) { return message([&](auto& c) { c.size_px.height = height_px; }); };
+  const std::string text = rows(360);  // 16:9 of 4:3
+  EXPECT_NE(text.find("(319.5, 239.5) is far from the middle of 640 x 360 px"), text.npos) << text;
+  EXPECT_NE(text.find("likely of 640 x 480 px, of which these images show 360 rows, e.g. 60 to 420"), text.npos)
+      << text;
+  EXPECT_NE(text.find("cy is at 67 % of the height, at 38 to 62 % in rectified pairs"), text.npos) << text;
+  const std::string columns = message([](auto& c) { c.size_px.width = 480; });
+  EXPECT_NE(columns.find("of which these images show 480 columns, e.g. 80 to 560"), columns.npos) << columns;
+  EXPECT_NE(columns.find("cx is at 67 % of the width"), columns.npos) << columns;
+  EXPECT_NE(message([](auto& c) { c.size_px = {640, 640}; }).find("likely of 640 x 480 px;"), text.npos) << "of a part";
+  for (const int height_px : {240, 300, 380}) EXPECT_NE(rows(height_px), "accepted") << height_px;
+}
+
+TEST(StereoGeometry, DoubtsWhatFewPairsHave) {
+  const auto doubts = [](double width_share, double height_share) {
+    StereoCalibration calibration = vgaCalibration();
+    calibration.size_px = {cvRound(width_share * 640.0), cvRound(height_share * 480.0)};
+    return doubtsOf(calibration);
+  };
+  EXPECT_EQ(doubts(1.0, 1.0), "");
+  EXPECT_NE(doubts(1.0, 0.9).find("show 432 rows, e.g. 24 to 456"), std::string::npos) << doubts(1.0, 0.9);
+  for (const double share : {0.85, 0.88}) EXPECT_NE(doubts(1.0, share), "") << share;
+  for (const double share : {0.8, 0.833}) EXPECT_NE(doubts(share, 1.0), "") << share;
+}
+
+TEST(StereoGeometry, ACalibrationOfAnImageALittleLargerIsDoubtedOrRefused) {
+  for (const double factor : {1.08, 1.1, 1.12, 1.15, 1.18, 1.2}) {
+    for (const double across : {0.495, 0.5, 0.505}) {  // as a lens is off its sensor's middle
+      for (const double down : {0.495, 0.5, 0.505}) {
+        const StereoCalibration calibration = withPrincipalPoint({640, 480}, factor * across, factor * down);
+        const std::string doubts = doubtsOf(calibration);
+        EXPECT_NE(doubts.find("is likely of "), std::string::npos) << factor << ' ' << across << ' ' << down;
+        EXPECT_EQ(isRefused(calibration), std::min(factor * across, factor * down) > 0.563) << factor;
+      }
+    }
+  }
+  const std::string text = doubtsOf(withPrincipalPoint({640, 480}, 0.56, 0.56));
+  EXPECT_NE(text.find("likely of 717 x 538 px"), text.npos) << text;
+}
+
+/// EuRoC, KITTI, ETH3D and Middlebury, rectified.
+TEST(StereoGeometry, RealPairsAreNotRefusedAndHardlyDoubted) {
+  struct Pair {
+    cv::Size size_px;
+    double cx_px, cy_px, cx_right_px;
+  };
+  for (const auto& [size_px, cx_px, cy_px, cx_right_px] : std::vector<Pair>{{{752, 480}, 364.4, 257.0, 364.4},
+                                                                            {{1242, 375}, 609.6, 172.9, 609.6},
+                                                                            {{1226, 370}, 601.9, 183.1, 601.9},
+                                                                            {{942, 489}, 553.7, 232.4, 553.7},
+                                                                            {{941, 490}, 542.0, 255.1, 542.0},
+                                                                            {{707, 425}, 381.1, 208.2, 381.1},
+                                                                            {{715, 441}, 369.7, 239.4, 369.7},
+                                                                            {{741, 497}, 294.2, 252.9, 327.0},
+                                                                            {{699, 476}, 323.0, 240.9, 392.8},
+                                                                            {{735, 485}, 392.9, 243.2, 412.3}}) {
+    StereoCalibration calibration = vgaCalibration();
+    calibration.size_px = size_px;
+    calibration.cx_px = cx_px;
+    calibration.cy_px = cy_px;
+    calibration.cx_right_px = cx_right_px;
+    EXPECT_FALSE(isRefused(calibration)) << size_px;
+    EXPECT_EQ(doubtsOf(calibration), "") << size_px;
+  }
+  const StereoCalibration one_of_eth3d = withPrincipalPoint({927, 489}, 0.562, 0.6);
+  EXPECT_FALSE(isRefused(one_of_eth3d));
+  EXPECT_NE(doubtsOf(one_of_eth3d), "");
 }
 
 TEST(StereoGeometry, RefusesEachImpossibleNumberByName) {

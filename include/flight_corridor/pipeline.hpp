@@ -19,6 +19,7 @@
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "flight_corridor/stereo/own_parts.hpp"
+#include "flight_corridor/stereo/rectification_watch.hpp"
 #include "flight_corridor/stereo/texture.hpp"
 #include "flight_corridor/types.hpp"
 
@@ -39,6 +40,7 @@ struct Rig {
 /// The whole result of one stereo pair.
 struct Report : TrackedRange {
   Verdict verdict;
+  RowAgreement rows;    ///< If it has a fault, the verdict is BAD_CALIBRATION.
   bool clears = false;  ///< The free space of this pair is trusted: it went into the map.
   StageTimes times;
 };
@@ -189,6 +191,7 @@ class Pipeline {
 
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
+  RectificationWatch rectification_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;

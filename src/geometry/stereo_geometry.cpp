@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
 constexpr double kUsualBaselines_m[] = {0.03, 0.6};
-constexpr double kMiddle = 0.063;  // of an image's width and height: nearer to the middle is the principal point
+// How far rectified pairs' principal points are from the middle, as a share of width and height.
+constexpr double kMostAcross = 0.16, kMostDown = 0.12, kMostOfBoth = 0.063;
+constexpr double kUsualAcross = 0.09, kUsualDown = 0.05, kUsualOfBoth = 0.03;
 
 void requirePositive(double value, const char* name, std::string& faults) {
   if (!(value > 0.0 && std::isfinite(value))) {
@@ -45,21 +47,80 @@ void requireFinite(double value, const char* name, std::string& faults) {
   if (!std::isfinite(value)) faults += " " + std::string(name) + " must be finite;";
 }
 
-/// Lens and rectification move it by more than this along one side at most; a calibration of another image size moves
-/// it along both, by one factor.
-void requirePrincipalPoint(const StereoCalibration& calibration, std::string& faults) {
-  const cv::Size& size_px = calibration.size_px;
-  const double across = calibration.cx_px / size_px.width - 0.5, down = calibration.cy_px / size_px.height - 0.5;
-  if (std::min(std::abs(across), std::abs(down)) <= kMiddle || across * down < 0.0) return;
-  const double factor = 1.0 + across + down;
+/// Where the principal point is, from the middle, as a share of width and height. Of two that differ it is the middle
+/// one: a region of the image moves both by as much.
+struct PrincipalPoint {
+  cv::Size size_px;
+  double cx_px, cy_px;
+
+  explicit PrincipalPoint(const StereoCalibration& calibration)
+      : size_px(calibration.size_px),
+        cx_px(0.5 * (calibration.cx_px + calibration.cx_right_px)),
+        cy_px(calibration.cy_px) {}
+
+  double across() const { return cx_px / size_px.width - 0.5; }
+  double down() const { return cy_px / size_px.height - 0.5; }
+  /// By which both are off at least; images of another size move both by one factor.
+  double ofBoth() const { return across() * down() > 0.0 ? std::min(std::abs(across()), std::abs(down())) : 0.0; }
+  bool exceeds(double across_most, double down_most, double both_most) const {
+    return std::abs(across()) > across_most || std::abs(down()) > down_most || ofBoth() > both_most;
+  }
+};
+
+/// "cy is at 67 % of the height, at 38 to 62 % in rectified pairs"
+std::string offMiddle(const char* name, const char* side, double off, double most) {
+  if (std::abs(off) <= most) return "";
   std::ostringstream text;
-  text << " the principal point (" << calibration.cx_px << ", " << calibration.cy_px << ") is far from the middle of "
-       << size_px.width << " x " << size_px.height << " px";
-  if (factor > 0.0) {
+  text << "; " << name << " is at " << std::lround(100.0 * (0.5 + off)) << " % of the " << side << ", at "
+       << std::lround(100.0 * (0.5 - most)) << " to " << std::lround(100.0 * (0.5 + most)) << " % in rectified pairs";
+  return text.str();
+}
+
+/// Of a larger image they show a part: likely the middle one.
+std::string likelyCrop(const char* name, int size_px, int likely_px) {
+  if (likely_px <= size_px) return "";
+  const int first = (likely_px - size_px) / 2;
+  std::ostringstream text;
+  text << ", of which these images show " << size_px << " " << name << ", e.g. " << first << " to " << first + size_px;
+  return text.str();
+}
+
+/// The size of which the principal point would be near the middle, and what these images are of it.
+std::string likelySize(const PrincipalPoint& point) {
+  const cv::Size& size_px = point.size_px;
+  const double across = std::abs(point.across()), down = std::abs(point.down()), both = point.ofBoth();
+  std::ostringstream text;
+  if (both > kUsualOfBoth && both > 0.5 * std::max(across, down)) {
+    const double factor = 1.0 + point.across() + point.down();
+    if (!(factor > 0.0)) return "";
     text << ": the calibration is likely of " << std::lround(factor * size_px.width) << " x "
          << std::lround(factor * size_px.height) << " px";
+    return text.str();
   }
-  faults += text.str() + ";";
+  const auto likely = [](double centre_px, double off, double usual, int size_px) {
+    return off > usual ? static_cast<int>(2 * std::lround(centre_px)) : size_px;
+  };
+  const int width_px = likely(point.cx_px, across, kUsualAcross, size_px.width);
+  const int height_px = likely(point.cy_px, down, kUsualDown, size_px.height);
+  if (width_px <= 0 || height_px <= 0) return "";
+  text << ": the calibration is likely of " << width_px << " x " << height_px << " px"
+       << likelyCrop("columns", size_px.width, width_px) << likelyCrop("rows", size_px.height, height_px);
+  return text.str();
+}
+
+std::string describePrincipalPoint(const StereoCalibration& calibration, double across_most, double down_most) {
+  const PrincipalPoint point(calibration);
+  std::ostringstream text;
+  text << "the principal point (" << calibration.cx_px << ", " << calibration.cy_px << ") is far from the middle of "
+       << calibration.size_px.width << " x " << calibration.size_px.height << " px" << likelySize(point)
+       << offMiddle("cx", "width", point.across(), across_most) << offMiddle("cy", "height", point.down(), down_most);
+  return text.str();
+}
+
+/// Lens and rectification move it by so much at most, and along one side more than along both.
+void requirePrincipalPoint(const StereoCalibration& calibration, std::string& faults) {
+  if (!PrincipalPoint(calibration).exceeds(kMostAcross, kMostDown, kMostOfBoth)) return;
+  faults += " " + describePrincipalPoint(calibration, kMostAcross, kMostDown) + ";";
 }
 
 std::string faultsOf(const StereoCalibration& calibration) {
@@ -89,6 +150,11 @@ Eigen::Isometry3d opticalFromForward() {
       0, 0, -1,                // y down    = -up
       1, 0, 0;                 // z forward = forward
   return T_C_F;
+}
+
+std::string doubtsOf(const StereoCalibration& calibration) {
+  const bool is_unusual = PrincipalPoint(calibration).exceeds(kUsualAcross, kUsualDown, kUsualOfBoth);
+  return is_unusual ? describePrincipalPoint(calibration, kUsualAcross, kUsualDown) : "";
 }
 
 StereoGeometry::StereoGeometry(const StereoCalibration& calibration)

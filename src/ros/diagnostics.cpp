@@ -58,12 +58,15 @@ void Diagnostics::describeImages(Status& status) {
   if (pairs_hz_ == 0.0) {
     status.summary(DiagnosticStatus::ERROR, "no stereo pair");
   } else if (isRefusal(report_)) {
-    status.summary(DiagnosticStatus::ERROR, "refused: " + flight_corridor::describeReasons(report_.verdict.reasons));
+    const bool is_askew = report_.rows.fault != flight_corridor::RowFault::None;
+    status.summary(DiagnosticStatus::ERROR, "refused: " + flight_corridor::describeReasons(report_.verdict.reasons) +
+                                                (is_askew ? ", rows of left and right disagree" : ""));
   } else {
     status.summary(DiagnosticStatus::OK, "stereo pairs come");
   }
   status.add("pairs in [Hz]", pairs_hz_);
   status.add("pairs refused", refused_);
+  status.add("rows disagree by [px]", report_.rows.offset_px);
 }
 
 /// A LiDAR that was never there is not a fault.

@@ -27,6 +27,32 @@ std::string sizeOf(const Message& message) {
   return std::to_string(message.width) + "x" + std::to_string(message.height);
 }
 
+/// Of rows that disagree, with the remedy.
+const char* likelyCause(flight_corridor::RowFault fault) {
+  using flight_corridor::RowFault;
+  switch (fault) {
+    case RowFault::Offset:
+      return "The whole image is off alike: a camera that was knocked, or another rig's calibration. Calibrate the "
+             "cameras together (camera_calibration)";
+    case RowFault::Warp:
+      return "It differs over the image: a camera that is rolled or turned, a wrong lens model, another rig's "
+             "calibration, or images that were not exposed at one time. Calibrate the cameras together "
+             "(camera_calibration), and synchronise them";
+    case RowFault::Lens:
+      return "A wrong lens model: a fisheye's coefficients as plumb_bob, or one that knows fewer of them. Rectify with "
+             "the model of the lens";
+    case RowFault::RightLate:
+      return "The right image fits the left one of the pair before: the driver pairs its queues one off. Restart it, "
+             "and synchronise the cameras";
+    case RowFault::LeftLate:
+      return "The left image fits the right one of the pair before: the driver pairs its queues one off. Restart it, "
+             "and synchronise the cameras";
+    case RowFault::None:
+      break;
+  }
+  return "";
+}
+
 }  // namespace
 
 flight_corridor::Report refusal(const ros::Time& stamp, std::uint32_t reasons) {
@@ -179,6 +205,14 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
         "the poses of camera \"%s\" in tf contradict its images: UNKNOWN. Check that CameraInfo is of these images (not "
         "of another size or of the uncropped sensor), the camera's mounting, and the odometry: %s",
         pair.header.frame_id.c_str(), describe(rig_->motionWitness().way()).c_str());
+  }
+  const flight_corridor::RowAgreement& rows = report_.rows;
+  if (rows.fault != flight_corridor::RowFault::None && rows_warning_.due()) {
+    ROS_ERROR(
+        "rows of left and right image disagree: by up to %.1f px (sigma %.1f px), at most %.1f px are allowed; as by a "
+        "lens that makes depth at the image's side wrong by %.0f %% (sigma %.0f %%), at most %.0f %%: UNKNOWN. %s",
+        rows.offset_px, rows.sigma_px, flight_corridor::kMostRowOffset_px, 100.0 * std::abs(rows.lens_error),
+        100.0 * rows.lens_sigma, 100.0 * flight_corridor::kMostLensError, likelyCause(rows.fault));
   }
   if ((report_.verdict.reasons & flight_corridor::kNoDisparity) && match_warning_.due()) {
     ROS_WARN(

@@ -112,7 +112,7 @@ class Processor {
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
-      black_warning_, pose_warning_, heading_warning_, motion_warning_;
+      rows_warning_, black_warning_, pose_warning_, heading_warning_, motion_warning_;
 };
 
 }  // namespace flight_corridor_ros

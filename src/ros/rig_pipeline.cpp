@@ -68,6 +68,11 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
   const StereoCalibration& calibration = geometry.calibration();
   ROS_INFO("%dx%d px, f %.1f px, baseline %.4f m, matched on %s", calibration.size_px.width, calibration.size_px.height,
            calibration.fx_px, calibration.baseline_m, pipeline_->matchingDevice().name.c_str());
+  if (const std::string doubts = flight_corridor::doubtsOf(calibration); !doubts.empty()) {
+    ROS_WARN(
+        "CameraInfo is unusual: %s. If it is of other images, depth and position are wrong, and the verdict is FREE",
+        doubts.c_str());
+  }
   if (!pipeline_->seesFromBlind()) {
     ROS_WARN(
         "stereo sees nothing nearer than %.2f m, beyond %.2f m (corridor/blind_m): the space between is unobserved, "

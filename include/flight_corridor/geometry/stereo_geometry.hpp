@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <opencv2/core/types.hpp>
+#include <string>
 
 #include "flight_corridor/types.hpp"
 
@@ -20,6 +21,10 @@ struct StereoCalibration {
   double cx_right_px = kNaN;  ///< Principal point of the right image; may differ from cx_px.
   double baseline_m = kNaN;   ///< Distance of the optical centres, 0.01 to 2.
 };
+
+/// What few rectified pairs have, as a sentence with the likely cause: a principal point that may belong to a larger or
+/// smaller image, or to all of an image of which a part is shown. "": nothing.
+std::string doubtsOf(const StereoCalibration& calibration);
 
 /// T_C_F of a frame F at the camera: x forward along the optical axis, y left, z up.
 Eigen::Isometry3d opticalFromForward();
