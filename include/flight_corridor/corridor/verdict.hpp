@@ -25,8 +25,8 @@ enum Reason : std::uint32_t {
   kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is invalid, or
                           ///< beyond the map's reach.
   kBadImage = 1u << 5,    ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  /// UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter, or the rows of
-  /// left and right image disagree.
+  /// UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter, or the rows
+  /// of left and right image disagree.
   kBadCalibration = 1u << 6,
   kNoDisparity = 1u << 7,   ///< UNKNOWN: hardly any match (no texture, saturated, covered lens).
   kDisagreement = 1u << 8,  ///< Information: LiDAR and stereo disagree persistently; the nearer one rules.
