@@ -23,6 +23,7 @@ constexpr double kFits = 0.5;                     // share of the difference tha
 constexpr double kMostPoints = 0.75;              // of a look: the rest may be wrong, or stands in the same row anyhow
 constexpr std::size_t kFewestOfLens = 30;         // points
 constexpr double kOutliers = 0.05;                // share of the disparities, on either side
+constexpr double kLeastSpread_px = 2.0;           // of disparities: over less a wrong match decides
 constexpr int kIterations = 4;
 constexpr double kResidual_px = 0.5;  // of a match
 constexpr double kSame = 0.5;         // share of the whole image's offset by which its parts may differ
@@ -81,6 +82,7 @@ std::pair<double, double> lensOf(const Look& look) {
   std::vector<float> disparities_px;
   for (const auto& corner : look) disparities_px.push_back(corner.disparity_px);
   const double least_px = quantile(disparities_px, kOutliers), most_px = quantile(disparities_px, 1.0 - kOutliers);
+  if (!(most_px - least_px >= kLeastSpread_px)) return {kNaN, kNaN};
   using Terms = Eigen::Matrix<double, 5, 1>;
   Terms solution = Terms::Zero();
   Eigen::Matrix<double, 5, 5> information;
@@ -90,7 +92,6 @@ std::pair<double, double> lensOf(const Look& look) {
     Terms sum = Terms::Zero();
     double weights = 0.0, squares_px2 = 0.0;
     for (const auto& corner : look) {
-      if (!(least_px <= corner.disparity_px && corner.disparity_px <= most_px)) continue;  // else one would decide
       const double x = corner.x, y = corner.y;
       Terms terms;
       terms << 1.0, x, y, x * y, x * y * corner.disparity_px;
