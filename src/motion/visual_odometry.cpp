@@ -18,7 +18,7 @@ constexpr int kLevels = 3;           // of the pyramid above it
 constexpr int kCell_px = 16;         // one corner in a square of this size, of the half-sized image
 constexpr int kCornerContrast = 10;  // grey: of FAST
 const cv::Size kWindow_px(13, 13);
-constexpr float kBack_px = 0.5f;      // a corner that is tracked back comes home to this, half-sized
+constexpr float kHome_px = 0.5f;      // a corner that is tracked back comes home to this, half-sized
 constexpr double kReprojection_px = 1.0;  // of a corner that agrees with a motion
 constexpr int kLeastInliers = 20;
 constexpr double kLeastShare = 0.5;      // of the corners that were found again
@@ -85,7 +85,7 @@ bool VisualOdometry::follow(const cv::Mat& disparity_px, const ScaleCorrection& 
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const cv::Point2f off = back_[i] - corners_[i];
-    if (!is_found[i] || !is_back[i] || !(std::hypot(off.x, off.y) <= kBack_px)) continue;
+    if (!is_found[i] || !is_back[i] || !(std::hypot(off.x, off.y) <= kHome_px)) continue;
     const Eigen::Vector2d at_px = doubled(seen_[i]);
     if (!geometry_.contains(at_px)) continue;
     const double d_px = geometry_.disparity(points_K_[i].z());

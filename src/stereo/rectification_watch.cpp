@@ -22,6 +22,8 @@ constexpr double kMedianError = 1.2533 * 1.4826;  // of a median, per median abs
 constexpr double kFits = 0.5;                     // share of the difference that is left with the right partner
 constexpr double kMostPoints = 0.75;              // of a look: the rest may be wrong, or stands in the same row anyhow
 constexpr std::size_t kFewestOfLens = 30;         // points
+constexpr double kOutliers = 0.05;                // share of the disparities, on either side
+constexpr double kLeastSpread_px = 2.0;           // of disparities: over less a wrong match decides
 constexpr int kIterations = 4;
 constexpr double kResidual_px = 0.5;  // of a match
 constexpr double kSame = 0.5;         // share of the whole image's offset by which its parts may differ
@@ -77,6 +79,10 @@ double sizeOf(const Look& look) {
 template <class Look>
 std::pair<double, double> lensOf(const Look& look) {
   if (look.size() < kFewestOfLens) return {kNaN, kNaN};
+  std::vector<float> disparities_px;
+  for (const auto& corner : look) disparities_px.push_back(corner.disparity_px);
+  const double least_px = quantile(disparities_px, kOutliers), most_px = quantile(disparities_px, 1.0 - kOutliers);
+  if (!(most_px - least_px >= kLeastSpread_px)) return {kNaN, kNaN};
   using Terms = Eigen::Matrix<double, 5, 1>;
   Terms solution = Terms::Zero();
   Eigen::Matrix<double, 5, 5> information;
