@@ -155,12 +155,11 @@ TEST_F(CameraMotionTest, ACalibrationOfALargerImageIsContradicted) {
 }
 
 TEST_F(CameraMotionTest, ACameraThatIsMountedOtherwiseThanTfSaysIsContradicted) {
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}) {
-    for (const double angle_rad : {M_PI, M_PI / 2.0}) {
+  for (const int axis : {0, 1}) {  // a roll does not show while it flies straight ahead
+    for (const double angle_rad : {M_PI, M_PI / 2.0, 0.15}) {
       Telling telling;
-      telling.T_C_X.linear() = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
-      const bool is_roll = axis.z() == 1.0;  // which a flight straight ahead does not show
-      if (!is_roll) EXPECT_TRUE(contradicts(telling)) << angle_rad << " about " << axis.transpose();
+      telling.T_C_X.linear() = Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+      EXPECT_TRUE(contradicts(telling)) << angle_rad << " rad about axis " << axis;
     }
   }
 }

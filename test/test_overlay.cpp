@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "flight_corridor/view/overlay.hpp"
 #include "support/calibrations.hpp"
 

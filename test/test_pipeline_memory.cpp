@@ -19,7 +19,7 @@ namespace {
 using test_support::cubeAt;
 using test_support::masonryAt;
 
-StereoGeometry geometry() { return StereoGeometry(sim::defaultRig().calibration); }
+StereoGeometry rigGeometry() { return StereoGeometry(sim::defaultRig().calibration); }
 
 /// Pairs of one still scene, each with its own noise.
 StereoFrame pairOf(const std::vector<sim::Primitive>& world, int index) {
@@ -29,11 +29,11 @@ StereoFrame pairOf(const std::vector<sim::Primitive>& world, int index) {
 }
 
 /// States of a flight, with its poses told, shown by the images alone, or with no memory.
-struct Counts {
+struct FlightCounts {
   int free = 0, unknown = 0, blocked = 0, wrong_free = 0;
 };
 enum class Motion { Told, ByImages, Unused };
-Counts fly(const std::string& scene, Motion motion) {
+FlightCounts flyWith(const std::string& scene, Motion motion) {
   sim::SimulationOptions options;
   options.scene = scene;
   options.seed = 3;
@@ -46,7 +46,7 @@ Counts fly(const std::string& scene, Motion motion) {
   Pipeline pipeline(config, StereoGeometry(simulation.calibration()), rig);
   const std::vector<RangeReading> ranges = simulation.ranges();
   auto next = ranges.begin();
-  Counts counts;
+  FlightCounts counts;
   for (std::size_t i = 0; i < simulation.frameTimes().size(); ++i) {
     const StereoFrame frame = simulation.frame(i);
     for (; next != ranges.end() && next->stamp_s <= frame.stamp_s; ++next) pipeline.addRange(*next);
@@ -66,7 +66,7 @@ Counts fly(const std::string& scene, Motion motion) {
 }
 
 TEST(PipelineMemory, AnOccupiedCellOfTheOctoMapBlocksTheCorridorByDefault) {
-  Pipeline pipeline(Config(), geometry(), Rig());
+  Pipeline pipeline(Config(), rigGeometry(), Rig());
   ASSERT_EQ(pipeline.process(pairOf({masonryAt(6.0)}, 0), Eigen::Isometry3d::Identity()).verdict.state, State::Free);
   const float near_m = 0.2f;  // nearer than stereo sees
   pipeline.obstacles().tree().updateNode(octomap::point3d(0.0f, 0.0f, near_m), true);
@@ -80,7 +80,7 @@ TEST(PipelineMemory, WhateverTheVerdictCallsAPatchIsOccupiedInTheMap) {
   for (const double edge_m : {0.07, 0.3}) {
     for (const double shift_m : {0.0, 0.03, 0.05}) {
       const Eigen::Vector3d at(2.0 + shift_m, shift_m, sim::kHeight_m + shift_m);
-      Pipeline pipeline(Config(), geometry(), Rig());
+      Pipeline pipeline(Config(), rigGeometry(), Rig());
       const Report& report =
           pipeline.process(pairOf({masonryAt(6.0), cubeAt(at, edge_m)}, 0), Eigen::Isometry3d::Identity());
       ASSERT_EQ(report.verdict.state, State::Blocked) << edge_m << " m";
@@ -91,12 +91,12 @@ TEST(PipelineMemory, WhateverTheVerdictCallsAPatchIsOccupiedInTheMap) {
 }
 
 TEST(PipelineMemory, AnObstacleThatCameTooNearToBeMatchedStillBlocks) {
-  EXPECT_EQ(fly("close_pole", Motion::Told).wrong_free, 0);
-  EXPECT_EQ(fly("close_pole", Motion::ByImages).wrong_free, 0);
+  EXPECT_EQ(flyWith("close_pole", Motion::Told).wrong_free, 0);
+  EXPECT_EQ(flyWith("close_pole", Motion::ByImages).wrong_free, 0);
 }
 
 TEST(PipelineMemory, AnObstacleThatWasTakenAwayIsForgotten) {
-  Pipeline pipeline(Config(), geometry(), Rig());
+  Pipeline pipeline(Config(), rigGeometry(), Rig());
   const auto with_cube = [](int i) { return pairOf({masonryAt(6.0), cubeAt({2.0, 0.1, sim::kHeight_m}, 0.3)}, i); };
   for (int i = 0; i < 3; ++i) {
     ASSERT_EQ(pipeline.process(with_cube(i), Eigen::Isometry3d::Identity()).verdict.state, State::Blocked);
@@ -109,14 +109,14 @@ TEST(PipelineMemory, AnObstacleThatWasTakenAwayIsForgotten) {
 }
 
 TEST(PipelineMemory, APlainWallAheadIsFreeUpToItOnceItsSurroundingsWereSeenClear) {
-  const Counts alone = fly("blank_wall", Motion::Unused), told = fly("blank_wall", Motion::Told);
+  const FlightCounts alone = flyWith("blank_wall", Motion::Unused), told = flyWith("blank_wall", Motion::Told);
   EXPECT_EQ(told.wrong_free, 0);
   EXPECT_EQ(told.blocked, alone.blocked);
   EXPECT_GE(told.free, alone.free + (alone.unknown + 1) / 2) << "of " << alone.unknown << " UNKNOWN without memory";
 }
 
 TEST(PipelineMemory, WithoutKnownMotionThatIsSaid) {
-  Pipeline pipeline(Config(), geometry(), Rig());
+  Pipeline pipeline(Config(), rigGeometry(), Rig());
   const std::vector<sim::Primitive> plain{sim::backdrop(6.0, sim::plain(0.5))};
   pipeline.process(pairOf(plain, 0));
   EXPECT_TRUE(pipeline.process(pairOf(plain, 1)).verdict.reasons & kNoMotion);
@@ -124,7 +124,7 @@ TEST(PipelineMemory, WithoutKnownMotionThatIsSaid) {
 }
 
 TEST(PipelineMemory, NothingIsRememberedAcrossAJumpOfThePose) {
-  Pipeline pipeline(Config(), geometry(), Rig());
+  Pipeline pipeline(Config(), rigGeometry(), Rig());
   pipeline.process(pairOf({masonryAt(6.0), cubeAt({2.0, 0.1, sim::kHeight_m}, 0.3)}, 0), Eigen::Isometry3d::Identity());
   ASSERT_GT(pipeline.obstacles().tree().size(), 0u);
   Eigen::Isometry3d elsewhere = Eigen::Isometry3d::Identity();

@@ -182,16 +182,15 @@ class Pipeline {
   mutable BoxInspector query_inspector_;
   BoxInspector fan_inspector_;
   RecentBlock recent_block_;
+  double newest_stamp_s_ = -kInfinity;
+  ImageWatch images_;
+  RectificationWatch rectification_;
   CameraMotion motion_;
   EarlierPairs earlier_;
   ObstacleMemory obstacles_;  // in the frame of motion_'s present series
   int series_ = 0;
   bool clears_ = false;    // the free space of the last pair that was judged
   double judged_s_ = kNaN;  // ... and its stamp
-
-  double newest_stamp_s_ = -kInfinity;
-  ImageWatch images_;
-  RectificationWatch rectification_;
   std::uint32_t image_faults_ = 0;  // of the last pair
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
