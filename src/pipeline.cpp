@@ -153,7 +153,7 @@ void Pipeline::trackRange() {
 /// The last pair becomes an earlier one, if its free space is trusted.
 void Pipeline::remember() {
   if (!motion_.pose() || !clears_ || config_.corridor.memory_s <= 0.0) return;
-  earlier_.add(judged_s_, *motion_.pose(), rays_.metLeft(), rays_.metRight());
+  earlier_.add(judged_s_, *motion_.pose(), depth_m_, left_texture_.mask(), rays_.metLeft(), rays_.metRight());
 }
 
 /// A new series of poses has another frame.
@@ -164,6 +164,7 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
   if (!pose || pose->series != series_) obstacles_.clear();
   if (pose) series_ = pose->series;
   earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
+  earlier_.look(disparity_);
 }
 
 /// The frame of the camera's motion and that of the map differ by a rotation, at least: the box around the box.
@@ -222,7 +223,7 @@ void Pipeline::decide() {
     side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
   });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
-  if (report_.lidar_range_valid) {
+  if (report_.lidar_is_new) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), range_tracker_.point(met_m));
   }

@@ -57,7 +57,7 @@ TEST(Architecture, ArrowsBetweenTheModulesPointDownwards) {
       {"opencl", {"stereo"}},
       {"range", {"geometry"}},
       {"map", {"geometry"}},
-      {"motion", {"geometry", "range"}},
+      {"motion", {"geometry", "stereo", "range"}},
       {"corridor", {"geometry", "stereo", "range", "motion", "map"}},
       {"", {"geometry", "stereo", "range", "motion", "map", "corridor"}},
       {"view", {"geometry", "stereo", "range", "motion", "map", "corridor", ""}},

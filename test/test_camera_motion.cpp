@@ -142,7 +142,7 @@ TEST_F(CameraMotionTest, ACropOfRowsWithTheWholeSensorsCalibrationIsContradicted
 }
 
 TEST_F(CameraMotionTest, ACalibrationOfALargerImageIsContradicted) {
-  for (const double factor : {1.12, 1.2, 0.85}) {
+  for (const double factor : {1.12, 1.08, 0.9}) {
     Telling telling;
     telling.calibration = flight().calibration();
     telling.calibration->fx_px *= factor;

@@ -336,7 +336,8 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::FROZEN_IMAGE, kFrozenImage},
                                                       {CorridorState::AMBIGUOUS, kAmbiguous},
                                                       {CorridorState::WEAK_EVIDENCE, kWeakEvidence},
-                                                      {CorridorState::LIDAR_NEARER, kLidarNearer}};
+                                                      {CorridorState::LIDAR_NEARER, kLidarNearer},
+                                                      {CorridorState::NO_MOTION, kNoMotion}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }
 

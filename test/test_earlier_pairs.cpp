@@ -5,6 +5,7 @@
 
 #include "flight_corridor/motion/earlier_pairs.hpp"
 #include "support/calibrations.hpp"
+#include "support/evidence.hpp"
 
 namespace flight_corridor {
 namespace {
@@ -26,7 +27,8 @@ class EarlierPairsTest : public testing::Test {
   void see(double stamp_s, const CameraPose& pose, double clear_to_m = kClearTo_m) {
     cv::Mat left(kSmallGeometry.size(), CV_32FC1, cv::Scalar(kSmallGeometry.disparity(clear_to_m)));
     cv::Mat right(kSmallGeometry.size(), CV_32FC1, cv::Scalar(kInfinity));
-    earlier_.add(stamp_s, pose, left, right);
+    const cv::Mat depth_m(kSmallGeometry.size(), CV_32FC1, cv::Scalar(clear_to_m));
+    earlier_.add(stamp_s, pose, depth_m, test_support::texturedAllOver(kSmallGeometry.size()), left, right);
   }
   /// Of a place in the middle of the view.
   bool wasClear(double depth_m) const {
@@ -99,6 +101,30 @@ TEST_F(EarlierPairsTest, PairsFromOnePlaceAndMomentCountOnce) {
   see(1.01, at(0.01));
   earlier_.moveTo(1.4, at(0.6), kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
+}
+
+TEST_F(EarlierPairsTest, WhereASurfaceIsSeenNoMoreSomethingMayHaveComeBeforeIt) {
+  see(1.0, at(0.0));
+  see(1.2, at(0.0));
+  earlier_.moveTo(1.4, at(0.0), kMemory_s);
+  const auto wall_px = static_cast<float>(kSmallGeometry.disparity(kClearTo_m));
+  DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), wall_px);
+  const cv::Rect covered(100, 80, 40, 40);
+  matches.best_px(covered) = kNaN;
+  earlier_.look(matches);
+  EXPECT_TRUE(earlier_.hasVanished(120, 100));
+  EXPECT_FALSE(earlier_.hasVanished(60, 100));
+  EXPECT_FALSE(earlier_.hasVanished(180, 100));
+}
+
+TEST_F(EarlierPairsTest, WhatWasNeverSeenHasNotVanished) {
+  see(1.0, at(0.0), kNaN);
+  see(1.2, at(0.0), kNaN);
+  earlier_.moveTo(1.4, at(0.0), kMemory_s);
+  DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), 3.0);
+  matches.best_px = kNaN;
+  earlier_.look(matches);
+  EXPECT_FALSE(earlier_.hasVanished(120, 100));
 }
 
 }  // namespace

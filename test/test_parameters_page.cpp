@@ -119,7 +119,7 @@ void collectConstants(const std::string& folder, std::map<std::string, std::stri
 /// So each constant of the core is either in the table, with its value, or in the list of those that are not tuned.
 TEST(ParametersPage, NamesEveryConstantOfTheCore) {
   std::map<std::string, std::string> constants;
-  for (const char* module : {"", "/stereo", "/range", "/map", "/corridor", "/geometry"}) {
+  for (const char* module : {"", "/stereo", "/range", "/motion", "/map", "/corridor", "/geometry"}) {
     collectConstants(std::string("/include/flight_corridor") + module, constants);
     collectConstants(std::string("/src") + module, constants);
   }

@@ -29,6 +29,7 @@ TEST(Verdict, EveryReasonHasItsName) {
       {kAmbiguous, "AMBIGUOUS"},
       {kWeakEvidence, "WEAK_EVIDENCE"},
       {kLidarNearer, "LIDAR_NEARER"},
+      {kNoMotion, "NO_MOTION"},
   };
   std::uint32_t reasons = 0;
   std::string all;

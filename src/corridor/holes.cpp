@@ -103,19 +103,22 @@ Holes::Place Holes::place(const Plane& plane, const EarlierPairs& earlier, const
   return place;
 }
 
-/// Whether no ray shows that the place is clear. What earlier pairs saw holds as long as the newest shows nothing there,
-/// nor nearer.
+/// Whether no ray of the newest pair shows that the place is clear.
 bool Holes::isUnclear(int u, int v, const Place& place, const Absence& absence) {
-  if (u < place.shift_px) return false;
-  if (!place.is_searched) return true;
-  if (absence.rays.isClear(u, v, place.at_px, place.shift_px)) return false;
+  return place.shift_px <= u && !(place.is_searched && absence.rays.isClear(u, v, place.at_px, place.shift_px));
+}
+
+/// Whether earlier pairs saw it clear: that holds as long as the newest shows nothing there nor nearer, and nothing may
+/// have come before what they saw.
+bool Holes::wasClear(int u, int v, const Place& place, const Absence& absence) {
+  if (!place.is_searched || absence.earlier.hasVanished(u, v)) return false;
   const float best_px = absence.matches.best_px.at<float>(v, u);
   const float match_px = std::isnan(best_px) ? absence.matches.repeated_px.at<float>(v, u) : best_px;
-  return match_px >= place.measured_px - kTouching_px || !place.earlier.wasClear(u, v);
+  return !(match_px >= place.measured_px - kTouching_px) && place.earlier.wasClear(u, v);
 }
 
 /// Pixels that both cameras see and neither's ray is clear; and where squares of them end that hide the smallest
-/// obstacle.
+/// obstacle. Only in such squares earlier pairs are asked.
 void Holes::findUnclear(const Plane& plane, const Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
   unclear_.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
@@ -125,8 +128,22 @@ void Holes::findUnclear(const Plane& plane, const Place& place, const Absence& a
       unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, absence);
     }
   }
-  cv::erode(unclear_, hides_, cv::Mat::ones(place.edge, place.edge, CV_8UC1), {place.edge - 1, place.edge - 1}, 1,
-            cv::BORDER_CONSTANT, 0);
+  const cv::Mat square = cv::Mat::ones(place.edge, place.edge, CV_8UC1);
+  const auto find_squares = [&] {
+    cv::erode(unclear_, hides_, square, {place.edge - 1, place.edge - 1}, 1, cv::BORDER_CONSTANT, 0);
+  };
+  find_squares();
+  if (place.is_searched && !absence.earlier.empty() && cv::countNonZero(hides_) > 0) {
+    cv::dilate(hides_, in_squares_, square, {0, 0}, 1, cv::BORDER_CONSTANT, 0);
+    for (int row = 0; row < unclear_.rows; ++row) {
+      for (int column = 0; column < unclear_.cols; ++column) {
+        if (!in_squares_.at<std::uint8_t>(row, column)) continue;
+        const int u = plane.view.x + stride * column, v = plane.view.y + stride * row;
+        if (wasClear(u, v, place, absence)) unclear_.at<std::uint8_t>(row, column) = 0;
+      }
+    }
+    find_squares();
+  }
   cv::integral(unclear_, unclear_sum_, CV_32S);
   cv::integral(hides_, hides_sum_, CV_32S);
 }
@@ -161,7 +178,7 @@ Holes::Square Holes::search(const Plane& plane, const Place& place, int directio
   for (int v = first(view.y, plane.view.y); v < view.br().y; v += plane.stride_px) {
     for (int i = 1, u = first_u; i <= columns; ++i, u += plane.stride_px) {
       const bool is_unclear =
-          isUnclear(u, v, place, absence) &&
+          isUnclear(u, v, place, absence) && !wasClear(u, v, place, absence) &&
           fan_.contains(fan_.turned(direction, fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>()));
       squares_[i] = is_unclear ? 1 + std::min({above_[i - 1], above_[i], squares_[i - 1]}) : 0;
       if (squares_[i] > largest.edge) largest = {squares_[i], u, v};

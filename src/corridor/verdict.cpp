@@ -50,11 +50,11 @@ std::string describeReasons(std::uint32_t reasons) {
       "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",       "NO_POSE",        "BAD_IMAGE",
       "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR",      "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
       "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER",
-      "MOVING",           "NO_MOTION"};
+      "",                 "NO_MOTION"};
   std::string text;
   std::uint32_t bit = 1;
   for (const char* name : kNames) {
-    if (reasons & bit) text += (text.empty() ? "" : "|") + std::string(name);
+    if (reasons & bit && *name != '\0') text += (text.empty() ? "" : "|") + std::string(name);
     bit <<= 1;
   }
   return text;

@@ -50,8 +50,8 @@ void CameraMotion::follow(const cv::Mat& left, const cv::Mat& disparity_px, cons
     pose_ = after(key_, *moved);
     if (odometry_.needsKey()) setKey(disparity_px, correction, *pose_);
   } else {
-    pose_.reset();
     setKey(disparity_px, correction, {Eigen::Isometry3d::Identity(), key_.series + 1});
+    pose_ = odometry_.hasKey() ? std::optional(key_) : std::nullopt;
   }
 }
 

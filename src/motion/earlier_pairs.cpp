@@ -1,6 +1,7 @@
 #include "flight_corridor/motion/earlier_pairs.hpp"
 
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <utility>
 
 namespace flight_corridor {
@@ -11,11 +12,13 @@ constexpr double kApart_m = 0.05, kApart_s = 0.1;  // between two pairs that are
 constexpr std::size_t kMostPairs = 16;
 constexpr int kVotes = 2;             // earlier pairs that must have seen a place clear
 constexpr double kMost_m = 0.03;      // one sigma: with a less certain pose nothing is remembered
+constexpr int kStride_px = 4;         // between the matches of a pair that are kept
 constexpr double kPose_m = 0.01;      // one sigma of a told pose's motion between pairs
 
 }  // namespace
 
-void EarlierPairs::add(double stamp_s, const CameraPose& pose, cv::Mat& met_left_px, cv::Mat& met_right_px) {
+void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& depth_m, const cv::Mat& textured,
+                       cv::Mat& met_left_px, cv::Mat& met_right_px) {
   if (!pairs_.empty() && pairs_.back().pose.series != pose.series) pairs_.clear();
   const auto isApart = [&](const Pair& last) {
     return stamp_s - last.stamp_s >= kApart_s ||
@@ -33,6 +36,13 @@ void EarlierPairs::add(double stamp_s, const CameraPose& pose, cv::Mat& met_left
   pair.met_right_px.create(met_right_px.size(), met_right_px.type());
   std::swap(pair.met_left_px, met_left_px);
   std::swap(pair.met_right_px, met_right_px);
+  pair.surface_C.clear();
+  for (int v = kStride_px / 2; v < depth_m.rows; v += kStride_px) {
+    for (int u = kStride_px / 2; u < depth_m.cols; u += kStride_px) {
+      const float at_m = depth_m.at<float>(v, u);
+      if (at_m > 0.0f && textured.at<std::uint8_t>(v, u)) pair.surface_C.push_back(geometry_.point(u, v, at_m).cast<float>());
+    }
+  }
   pairs_.push_back(std::move(pair));
 }
 
@@ -46,6 +56,22 @@ void EarlierPairs::moveTo(double stamp_s, const std::optional<CameraPose>& pose,
     const double sigma_rad = std::sqrt(std::max(0.0, pose->variance_rad2 - pair->pose.variance_rad2));
     if (sigma_m <= kMost_m) views_.push_back({&*pair, pair->pose.T_M_C.inverse() * pose->T_M_C, sigma_m, sigma_rad});
   }
+}
+
+void EarlierPairs::look(const DisparityEvidence& matches) {
+  vanished_ = cv::Mat();
+  if (views_.empty()) return;
+  const cv::Size size = geometry_.size(), cells((size.width + kCell_px - 1) / kCell_px, (size.height + kCell_px - 1) / kCell_px);
+  cv::Mat balance = cv::Mat::zeros(cells, CV_32SC1);  // points that are seen no more, less those that are
+  const Eigen::Isometry3f T_C_E = views_.front().T_E_C.inverse().cast<float>();
+  for (const Eigen::Vector3f& p_E : views_.front().pair->surface_C) {
+    const Eigen::Vector2d at_px = geometry_.project((T_C_E * p_E).cast<double>());
+    if (!geometry_.contains(at_px)) continue;
+    const int u = static_cast<int>(std::lround(at_px.x())), v = static_cast<int>(std::lround(at_px.y()));
+    const bool is_matched = !std::isnan(matches.best_px.at<float>(v, u)) || !std::isnan(matches.repeated_px.at<float>(v, u));
+    balance.at<int>(v / kCell_px, u / kCell_px) += is_matched ? -1 : 1;
+  }
+  vanished_ = balance > 0;
 }
 
 EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {

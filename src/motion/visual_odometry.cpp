@@ -175,6 +175,8 @@ VisualOdometry::Normal VisualOdometry::refine(Eigen::Isometry3d& T_C_K) const {
   return normal;
 }
 
+bool VisualOdometry::hasKey() const { return static_cast<int>(corners_.size()) >= kLeastInliers; }
+
 void VisualOdometry::setKey(const cv::Mat& disparity_px, const ScaleCorrection& correction) {
   std::swap(key_pyramid_, pyramid_);
   const cv::Mat& half = key_pyramid_.front();

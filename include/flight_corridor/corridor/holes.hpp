@@ -88,6 +88,7 @@ class Holes {
               double nearest_m) const;
   /// Of pixels that both cameras see.
   static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
+  static bool wasClear(int u, int v, const Place& place, const Absence& absence);
   void findUnclear(const Plane& plane, const Place& place, const Absence& absence);
   Look look(const Plane& plane, const Section& section, const Place& place) const;
   Square search(const Plane& plane, const Place& place, int direction, const Absence& absence);
@@ -105,7 +106,7 @@ class Holes {
   std::vector<Plane> planes_;                          // of fan_, the nearest first
   std::vector<Place> places_;                          // a plane
   std::vector<Look> looks_;                            // a plane and direction
-  cv::Mat unclear_, hides_, unclear_sum_, hides_sum_;  // of the current plane, strided
+  cv::Mat unclear_, hides_, in_squares_, unclear_sum_, hides_sum_;  // of the current plane, strided
   std::vector<int> squares_, above_;  // edges of the squares that end at each column, in this row and in the one above
   std::vector<Unobserved> found_;
 };

@@ -7,24 +7,36 @@
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/motion/camera_motion.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
 
 namespace flight_corridor {
 
 /// What earlier pairs saw clear: their clear rays, each with its pose, for places that the newest pair does not show
 /// (a history of views instead of a fused map: NanoMap, Florence et al. 2018). A place was clear if the rays of two
-/// earlier pairs were, so that one pair's mistake is not remembered. One object; was() may be asked from any thread.
+/// earlier pairs were, so that one pair's mistake is not remembered. Where a surface that the last of them saw is seen
+/// no more, something may have come before it: there nothing is remembered. One object, one caller at a time.
 class EarlierPairs {
  public:
   explicit EarlierPairs(const StereoGeometry& geometry) : geometry_(geometry) {}
 
   /// A pair's rays: where they are clear, by disparity, see ClearRays. They are exchanged for buffers of an older pair.
-  void add(double stamp_s, const CameraPose& pose, cv::Mat& met_left_px, cv::Mat& met_right_px);
+  /// @param depth_m of its matches, CV_32FC1 [m], NaN = no match.  @param textured CV_8UC1: where they are no chance.
+  void add(double stamp_s, const CameraPose& pose, const cv::Mat& depth_m, const cv::Mat& textured,
+           cv::Mat& met_left_px, cv::Mat& met_right_px);
 
   /// From now on places are asked about as seen from this pose.
   /// @param memory_s older pairs are forgotten.
   void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s);
 
   bool empty() const { return views_.empty(); }
+
+  /// Compares the newest pair's matches with the surfaces that the last earlier pair saw.
+  /// @param matches of the newest pair.
+  void look(const DisparityEvidence& matches);
+  /// Whether a surface that was seen at a pixel of the newest pair is seen no more.
+  bool hasVanished(int u, int v) const {
+    return !vanished_.empty() && vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
+  }
 
   /// A plane of the camera at a depth, as earlier pairs see it.
   class Plane {
@@ -49,6 +61,7 @@ class EarlierPairs {
     double stamp_s;
     CameraPose pose;
     cv::Mat met_left_px, met_right_px;
+    std::vector<Eigen::Vector3f> surface_C;  // some of its matches
   };
   struct View {  // a pair as seen from now
     const Pair* pair;
@@ -56,7 +69,10 @@ class EarlierPairs {
     double sigma_m, sigma_rad;
   };
 
+  static constexpr int kCell_px = 8;  // squares in which a surface is seen, or not
+
   StereoGeometry geometry_;
+  cv::Mat vanished_;  // a square
   std::deque<Pair> pairs_;  // the oldest first
   std::vector<View> views_;  // the newest first
 };

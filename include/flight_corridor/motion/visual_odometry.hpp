@@ -35,6 +35,9 @@ class VisualOdometry {
   /// @param disparity_px its matches, CV_32FC1 [px], NaN = no match.  @param correction of these.
   void setKey(const cv::Mat& disparity_px, const ScaleCorrection& correction);
 
+  /// Whether there is a key image with corners enough.
+  bool hasKey() const;
+
   /// Whether the key image still shows enough of what is in view.
   bool needsKey() const { return 2 * tracked_.size() < corners_.size() || corners_.empty(); }
 
