@@ -80,7 +80,7 @@ void run(const std::string& path, const std::string& frame) {
     while (places.size() > 1 && (place.stamp_s - places[1].stamp_s >= kOver_s - 1e-3 || places[0].seen.series != pose->series)) places.pop_front();
     const Place& then = places.front();
     if (place.stamp_s - then.stamp_s < kOver_s - 1e-3) return;
-    const double sigma_m = std::sqrt(place.seen.variance_m2 - then.seen.variance_m2);
+    const double sigma_m = std::sqrt(varianceBetween(then.seen.translation, place.seen.translation));
     if (!(sigma_m <= kClaimed_m / 3.0)) {
       ++unclaimed;
       return;

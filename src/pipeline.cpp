@@ -47,8 +47,10 @@ void requireSight(const CorridorConfig& corridor, const StereoGeometry& geometry
   throw std::invalid_argument(text.str());
 }
 
-bool isPose(const std::optional<Eigen::Isometry3d>& T_W_C) {
-  return T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear());
+/// Of a camera within the map's reach.
+bool isPose(const std::optional<Eigen::Isometry3d>& T_W_C, const MapConfig& map) {
+  return T_W_C && T_W_C->matrix().allFinite() && isRotation(T_W_C->linear()) &&
+         (T_W_C->translation().array().abs() <= farthestCamera(map)).all();
 }
 
 /// Repeated matches of the surface that the LiDAR measured are confirmed.
@@ -109,7 +111,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
     remember();
-    followMotion(isPose(T_W_C) ? T_W_C : std::nullopt);
+    followMotion(isPose(T_W_C, config_.map) ? T_W_C : std::nullopt);
     confirmRepeated(lidarDisparity(boxInCamera()), scale(), disparity_);
   }
   {
@@ -133,7 +135,7 @@ std::uint32_t Pipeline::faults(const StereoFrame& frame, const std::optional<Eig
   std::uint32_t reasons = 0;
   if (!std::isfinite(frame.stamp_s) || frame.stamp_s < newest_stamp_s_) reasons |= kNoData;
   if (!fits(frame.left) || !fits(frame.right)) reasons |= kBadImage;
-  const bool has_pose = isPose(T_W_C) && (T_W_C->translation().array().abs() <= farthestCamera(config_.map)).all();
+  const bool has_pose = isPose(T_W_C, config_.map);
   if (!config_.map.frame_id.empty() && !has_pose) reasons |= kNoPose;
   return reasons;
 }
@@ -152,7 +154,8 @@ void Pipeline::trackRange() {
 
 /// The last pair becomes an earlier one, if its free space is trusted.
 void Pipeline::remember() {
-  if (!motion_.pose() || !clears_ || config_.corridor.memory_s <= 0.0) return;
+  const bool clears = std::exchange(clears_, false);
+  if (!motion_.pose() || !clears || config_.corridor.memory_s <= 0.0) return;
   earlier_.add(judged_s_, *motion_.pose(), depth_m_, left_texture_.mask(), rays_.metLeft(), rays_.metRight());
 }
 
@@ -161,14 +164,17 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
   const double stamp_s = report_.verdict.stamp_s;
   motion_.update(stamp_s, pair_.left, disparity_.best_px, scale(), told_W_C);
   const auto& pose = motion_.pose();
-  if (!pose || pose->series != series_) obstacles_.clear();
-  if (pose) series_ = pose->series;
+  if (pose && pose->series != series_) {
+    if (obstacles_.tree().size() > 0) lost_s_ = stamp_s;
+    obstacles_.clear();
+    series_ = pose->series;
+  }
   earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
-  earlier_.look(disparity_);
 }
 
 /// The frame of the camera's motion and that of the map differ by a rotation, at least: the box around the box.
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
+  earlier_.forget();
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
   Eigen::AlignedBox3d box_V;
@@ -223,9 +229,10 @@ void Pipeline::decide() {
     side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
   });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
+  earlier_.look(disparity_, left_texture_.mask());
   if (report_.lidar_is_new) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
-    rays_.clearPlainSurface(disparity_, left_texture_.mask(), range_tracker_.point(met_m));
+    rays_.clearPlainSurface(disparity_, left_texture_.mask(), scale(), range_tracker_.point(met_m));
   }
   const BoxEvidence& shown = inspector_.inspect(box_C, evidence(), corridor, {lidarDisparity(box_C)}, workers).front();
   std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
@@ -240,6 +247,10 @@ void Pipeline::decide() {
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
     verdict.withhold(kRecentlyBlocked);
   }
+  // Obstacles that were remembered, but not where: nothing is FREE until they would have been forgotten as absence is.
+  const bool is_place_lost = verdict.stamp_s - lost_s_ <= corridor.memory_s ||
+                             (!motion_.pose() && obstacles_.tree().size() > 0);
+  if (is_place_lost && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   report_.clears = clears_ = isTrusted();
   updateObstacles();
   judged_s_ = verdict.stamp_s;
@@ -250,9 +261,9 @@ void Pipeline::updateObstacles() {
   if (!pose) return;
   const Eigen::Isometry3d T_C_V = pose->T_M_C.inverse();
   obstacles_.update(report_.verdict.stamp_s, [&](const Eigen::Vector3d& centre_V) {
-    return sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m);
+    return clears_ ? sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) : Sight::Nothing;
   });
-  if (image_faults_ != 0) return;
+  if (image_faults_ != 0 || config_.corridor.memory_s <= 0.0) return;
   std::vector<Eigen::Vector3d> points_V;
   for (const Eigen::Vector3d& p_C : inspector_.blocking()) points_V.push_back(pose->T_M_C * p_C);
   obstacles_.add(points_V, report_.verdict.stamp_s);

@@ -49,16 +49,16 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
 
 /// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
 BoxCells Pipeline::remembered(const Box& box_C) const {
-  const auto cells = [&](const octomap::OcTree& tree, const Eigen::Isometry3d& T_M_C) {
-    const Eigen::Isometry3d T_C_M = T_M_C.inverse();
-    return cellsIn(tree, {T_M_C * box_C.T_M_F, box_C.size_m}, [&](const Eigen::Vector3d& centre_M) {
-      return sightOf(evidence(), geometry_, T_C_M * centre_M, config_.map.resolution_m) != Sight::Surface;
-    });
-  };
-  BoxCells remembered = remembers() ? cells(map_.tree(), T_M_C_) : BoxCells();
+  BoxCells remembered = remembers() ? cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}) : BoxCells();
   if (!motion_.pose()) return remembered;
-  const double obstacle_m = cells(obstacles_.tree(), motion_.pose()->T_M_C).clear_distance_m;
-  remembered.clear_distance_m = std::min(remembered.clear_distance_m, obstacle_m);
+  const Eigen::Isometry3d &T_V_C = motion_.pose()->T_M_C, T_C_V = T_V_C.inverse();
+  const auto counts = [&](const Eigen::Vector3d& centre_V) {
+    const bool is_earlier = obstacles_.seen(centre_V) < report_.verdict.stamp_s;
+    return is_earlier &&
+           sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) != Sight::Surface;
+  };
+  const BoxCells obstacles = cellsIn(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
+  remembered.clear_distance_m = std::min(remembered.clear_distance_m, obstacles.clear_distance_m);
   return remembered;
 }
 

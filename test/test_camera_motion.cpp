@@ -84,7 +84,7 @@ TEST_F(CameraMotionTest, FollowsAFlightByTheImagesAloneAsWellAsItSays) {
   for (int i = 0, now = 5; now < kPairs; ++i, ++now) {
     const Eigen::Isometry3d true_motion = truth(pairs()[i].images.stamp_s).inverse() * truth(pairs()[now].images.stamp_s);
     const Eigen::Isometry3d off = true_motion.inverse() * (poses[i].T_M_C.inverse() * poses[now].T_M_C);
-    const double sigma_m = std::sqrt(poses[now].variance_m2 - poses[i].variance_m2);
+    const double sigma_m = std::sqrt(varianceBetween(poses[i].translation, poses[now].translation));
     EXPECT_EQ(poses[i].series, poses[now].series);
     EXPECT_LE(off.translation().norm(), 3.0 * std::sqrt(3.0) * sigma_m) << "half a second from pair " << i;
     EXPECT_LE(off.translation().norm(), 0.03) << "half a second from pair " << i;

@@ -88,10 +88,10 @@ TEST_F(EarlierPairsTest, AnUncertainPoseIsNotTrusted) {
   see(1.0, at(0.0));
   see(1.2, at(0.3));
   CameraPose now = at(0.6);
-  now.variance_m2 = std::pow(0.02, 2);
+  now.translation.own = std::pow(0.02, 2);
   earlier_.moveTo(1.4, now, kMemory_s);
   EXPECT_TRUE(wasClear(1.0));
-  now.variance_m2 = std::pow(0.05, 2);
+  now.translation.own = std::pow(0.05, 2);
   earlier_.moveTo(1.4, now, kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
 }
@@ -111,7 +111,7 @@ TEST_F(EarlierPairsTest, WhereASurfaceIsSeenNoMoreSomethingMayHaveComeBeforeIt) 
   DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), wall_px);
   const cv::Rect covered(100, 80, 40, 40);
   matches.best_px(covered) = kNaN;
-  earlier_.look(matches);
+  earlier_.look(matches, test_support::texturedAllOver(kSmallGeometry.size()));
   EXPECT_TRUE(earlier_.hasVanished(120, 100));
   EXPECT_FALSE(earlier_.hasVanished(60, 100));
   EXPECT_FALSE(earlier_.hasVanished(180, 100));
@@ -123,7 +123,7 @@ TEST_F(EarlierPairsTest, WhatWasNeverSeenHasNotVanished) {
   earlier_.moveTo(1.4, at(0.0), kMemory_s);
   DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), 3.0);
   matches.best_px = kNaN;
-  earlier_.look(matches);
+  earlier_.look(matches, test_support::texturedAllOver(kSmallGeometry.size()));
   EXPECT_FALSE(earlier_.hasVanished(120, 100));
 }
 

@@ -43,7 +43,7 @@ void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, con
 /// An edge that is fainter in places still parts two surfaces: the texture is grown before the region is, and the region
 /// grown back.
 void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
-                                  const Eigen::Vector3d& met_C) {
+                                  const ScaleCorrection& correction, const Eigen::Vector3d& met_C) {
   const Eigen::Vector2d at_px = geometry_.project(met_C);
   if (!geometry_.contains(at_px)) return;
   const cv::Point beam(static_cast<int>(std::lround(at_px.x())), static_cast<int>(std::lround(at_px.y())));
@@ -54,7 +54,7 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
   cv::Rect around;
   cv::floodFill(closed_, region_, beam, 0, &around, 0, 0, 4 | 255 << 8 | cv::FLOODFILL_MASK_ONLY);
   const cv::Rect inner({1, 1}, closed_.size());
-  cv::dilate(region_(inner), closed_, grown);
+  cv::dilate(region_(inner) == 255, closed_, grown);  // without the mask's border, which is 1
   around = (around + cv::Size(2 * kFaintEdge_px, 2 * kFaintEdge_px) - cv::Point(kFaintEdge_px, kFaintEdge_px)) &
            cv::Rect({0, 0}, closed_.size());
   const Eigen::Vector2d beam_ray = met_C.head<2>() / met_C.z();
@@ -66,7 +66,7 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
       const double off = (geometry_.point(u, v, 1.0).head<2>() - beam_ray).norm();
       const auto clear_px =
           static_cast<float>(geometry_.disparity(met_C.z() / (1.0 + kSteepest * off)) + kMatchNoise_px);
-      const float match_px = std::isnan(best[u]) ? repeated[u] : best[u];
+      const double match_px = correction.correct(std::isnan(best[u]) ? repeated[u] : best[u]);
       if (!(match_px > clear_px + kOtherSurface_px)) met_px[u] = std::min(met_px[u], clear_px);
     }
   }

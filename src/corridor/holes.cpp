@@ -7,6 +7,8 @@
 #include <set>
 
 #include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/stereo/search_range.hpp"
+#include "flight_corridor/stereo/semi_global_matcher.hpp"
 
 namespace flight_corridor {
 
@@ -92,6 +94,7 @@ Holes::Place Holes::place(const Plane& plane, const EarlierPairs& earlier, const
   Place place;
   place.at_px = static_cast<float>(geometry_.disparity(plane.depth_m));
   const double measured_px = place.at_px * correction.scale(place.at_px);
+  place.first_px = static_cast<float>(firstDisparity(geometry_));
   place.measured_px = static_cast<float>(measured_px);
   place.earlier = earlier.plane(plane.depth_m);
   place.shift_px = static_cast<int>(std::lround(measured_px + geometry_.principalPointDifference()));
@@ -113,7 +116,9 @@ bool Holes::isUnclear(int u, int v, const Place& place, const Absence& absence) 
 bool Holes::wasClear(int u, int v, const Place& place, const Absence& absence) {
   if (!place.is_searched || absence.earlier.hasVanished(u, v)) return false;
   const float best_px = absence.matches.best_px.at<float>(v, u);
-  const float match_px = std::isnan(best_px) ? absence.matches.repeated_px.at<float>(v, u) : best_px;
+  float match_px = std::isnan(best_px) ? absence.matches.repeated_px.at<float>(v, u) : best_px;
+  const bool has_nearer = std::isnan(best_px) && (absence.matches.flags.at<std::uint8_t>(v, u) & kCompetitor) != 0;
+  if (has_nearer) match_px = std::max(match_px, place.first_px + absence.matches.competitor_nearest.at<std::uint8_t>(v, u));
   return !(match_px >= place.measured_px - kTouching_px) && place.earlier.wasClear(u, v);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flight_corridor/stereo/match_error.hpp"
+
 namespace flight_corridor {
 
 namespace {
@@ -31,7 +33,9 @@ Sight sightOf(const PairEvidence& pair, const StereoGeometry& geometry, const Ei
       ++seen;
       clear += pair.rays.isClear(u, v, far_px, shift_px);
       const double depth_m = pair.depth_m.at<float>(v, u);
-      surface += pair.textured.at<std::uint8_t>(v, u) && std::abs(geometry.disparity(depth_m) - far_px) <= near_px - far_px + 1.0;
+      const double match_px = geometry.disparity(depth_m);
+      surface += pair.textured.at<std::uint8_t>(v, u) && far_px - kMatchNoise_px <= match_px &&
+                 match_px <= near_px + kMatchNoise_px;
     }
   }
   constexpr int kAll = kSamples * kSamples;

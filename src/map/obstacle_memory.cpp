@@ -41,6 +41,13 @@ void ObstacleMemory::update(double stamp_s, const Look& look) {
   }
 }
 
+double ObstacleMemory::seen(const Eigen::Vector3d& p_M) const {
+  octomap::OcTreeKey cell;
+  const bool has_key = tree_.coordToKeyChecked(p_M.x(), p_M.y(), p_M.z(), cell);
+  const auto known = has_key ? seen_s_.find(cell) : seen_s_.end();
+  return known == seen_s_.end() ? -kInfinity : known->second;
+}
+
 void ObstacleMemory::clear(const Eigen::AlignedBox3d& box_M) {
   const double half_m = 0.5 * config_.resolution_m;
   for (auto cell = seen_s_.begin(); cell != seen_s_.end();) {

@@ -6,41 +6,61 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kJump_mps = 20.0, kJump_m = 0.3;  // no small UAV moves faster: a told pose has jumped
-constexpr double kLongestGap_s = 1.0;              // between pairs: what the images show then is another view
-constexpr double kLookEvery_s = 0.15;              // told motion is compared with the images now and then
-constexpr double kWay_s = 1.0;                     // that is compared
+// From one step of a told pose to the next it changes by no more, or it has jumped: a loop was closed, a filter reset.
+constexpr double kJump_m = 0.1, kJump_mps2 = 30.0, kJump_rad = 0.1, kJump_radps2 = 20.0;
+constexpr double kFastest_mps = 20.0, kFastest_radps = 5.0;  // as long as no step is known
+constexpr double kLongestGap_s = 1.0;  // between pairs: what the images show then is another view
+constexpr double kLookEvery_s = 0.15;  // told motion is compared with the images now and then
+constexpr double kWay_s = 1.0, kLongestWay_s = 5.0;  // that is compared
 
-/// A pose behind another one.
+/// A pose behind that of a key image.
 CameraPose after(const CameraPose& key, const RelativePose& moved) {
-  return {key.T_M_C * moved.T_K_C, key.series, key.variance_m2 + moved.sigma_m * moved.sigma_m,
-          key.variance_rad2 + moved.sigma_rad * moved.sigma_rad};
+  return {key.T_M_C * moved.T_K_C, key.series, {key.translation.sum(), moved.sigma_m * moved.sigma_m},
+          {key.rotation.sum(), moved.sigma_rad * moved.sigma_rad}};
 }
 
 }  // namespace
 
 void CameraMotion::update(double stamp_s, const cv::Mat& left, const cv::Mat& disparity_px,
                           const ScaleCorrection& correction, const std::optional<Eigen::Isometry3d>& told_W_C) {
-  const double since_s = stamp_s - stamp_s_;
-  const bool was_told = is_told_;
+  const bool is_gap = !(stamp_s - stamp_s_ <= kLongestGap_s);
   stamp_s_ = stamp_s;
+  if (!told_W_C && is_told_ && stamp_s - told_s_ <= kLongestGap_s) return pose_.reset();
+  const bool goes_on = told_W_C.has_value() == is_told_ && !is_gap;
   is_told_ = told_W_C.has_value();
-  const bool goes_on = was_told == is_told_ && since_s <= kLongestGap_s;
-  const int series = pose_ ? pose_->series : key_.series;
   if (is_told_) {
-    const bool jumps = pose_ && (told_W_C->translation() - pose_->T_M_C.translation()).norm() > kJump_m + kJump_mps * since_s;
-    const bool is_same = goes_on && !jumps;
+    const double since_s = stamp_s - told_s_;
+    const bool is_same = goes_on && !isJump(*told_W_C, since_s);
     if (!is_same) begun_s_ = kNaN;
-    pose_ = CameraPose{*told_W_C, is_same ? series : series + 1};
+    series_ += !is_same;
+    step_ = is_same ? told_W_C_.inverse() * *told_W_C : Eigen::Isometry3d::Identity();
+    step_s_ = is_same ? since_s : kNaN;
+    told_W_C_ = *told_W_C;
+    told_s_ = stamp_s;
+    pose_ = CameraPose{*told_W_C, series_};
     compare(left, disparity_px, correction);
   } else {
     if (!goes_on) {
-      pose_.reset();
       witness_.forget();
-      key_ = {Eigen::Isometry3d::Identity(), series + 1};
+      key_ = {Eigen::Isometry3d::Identity(), ++series_};
     }
     follow(left, disparity_px, correction);
   }
+}
+
+/// As if it had gone on as in the step before, but for what it may have accelerated.
+bool CameraMotion::isJump(const Eigen::Isometry3d& told_W_C, double since_s) const {
+  if (!(since_s > 0.0)) return false;
+  const double share = std::isnan(step_s_) ? 0.0 : since_s / step_s_;
+  const Eigen::Isometry3d moved = told_W_C_.inverse() * told_W_C;
+  const Eigen::AngleAxisd turn(step_.linear());
+  const Eigen::Matrix3d expected = Eigen::AngleAxisd(share * turn.angle(), turn.axis()).toRotationMatrix();
+  const double squared_s2 = std::pow(std::max(since_s, std::isnan(step_s_) ? since_s : step_s_), 2);
+  const double first_m = std::isnan(step_s_) ? kFastest_mps * since_s : 0.0;
+  const double first_rad = std::isnan(step_s_) ? kFastest_radps * since_s : 0.0;
+  return (moved.translation() - share * step_.translation()).norm() > kJump_m + kJump_mps2 * squared_s2 + first_m ||
+         Eigen::AngleAxisd(expected.transpose() * moved.linear()).angle() >
+             kJump_rad + kJump_radps2 * squared_s2 + first_rad;
 }
 
 /// The pose by the images alone. Where they lose it a new series begins.
@@ -50,7 +70,7 @@ void CameraMotion::follow(const cv::Mat& left, const cv::Mat& disparity_px, cons
     pose_ = after(key_, *moved);
     if (odometry_.needsKey()) setKey(disparity_px, correction, *pose_);
   } else {
-    setKey(disparity_px, correction, {Eigen::Isometry3d::Identity(), key_.series + 1});
+    setKey(disparity_px, correction, {Eigen::Isometry3d::Identity(), ++series_});
     pose_ = odometry_.hasKey() ? std::optional(key_) : std::nullopt;
   }
 }
@@ -64,10 +84,12 @@ void CameraMotion::compare(const cv::Mat& left, const cv::Mat& disparity_px, con
   const auto moved = odometry_.track(left, disparity_px, correction, is_new ? Eigen::Isometry3d::Identity() : told_K_C);
   const bool is_lost = is_new || !moved;
   CameraPose seen = is_lost ? CameraPose() : after(key_, *moved);
-  const bool is_long = !is_lost && stamp_s_ - begun_s_ >= kWay_s;
+  const Eigen::Isometry3d told_S_C = told_W_S_.inverse() * told_W_C;
+  const double way_s = stamp_s_ - begun_s_;
+  const bool is_long = !is_lost && way_s >= kWay_s && (MotionWitness::isComparable(told_S_C) ||
+                                                       MotionWitness::isComparable(seen.T_M_C) || way_s >= kLongestWay_s);
   if (is_long) {
-    witness_.add(stamp_s_ - begun_s_, told_W_S_.inverse() * told_W_C,
-                 {seen.T_M_C, std::sqrt(seen.variance_m2), std::sqrt(seen.variance_rad2)});
+    witness_.add(way_s, told_S_C, {seen.T_M_C, std::sqrt(seen.translation.sum()), std::sqrt(seen.rotation.sum())});
     seen = CameraPose();
   }
   if (is_lost || is_long) {

@@ -12,13 +12,15 @@ constexpr double kApart_m = 0.05, kApart_s = 0.1;  // between two pairs that are
 constexpr std::size_t kMostPairs = 16;
 constexpr int kVotes = 2;             // earlier pairs that must have seen a place clear
 constexpr double kMost_m = 0.03;      // one sigma: with a less certain pose nothing is remembered
-constexpr int kStride_px = 4;         // between the matches of a pair that are kept
-constexpr double kPose_m = 0.01;      // one sigma of a told pose's motion between pairs
+constexpr int kStride_px = 8;         // between the matches of a pair that are kept
+constexpr double kPose_m = 0.01, kPose_rad = 0.005;  // one sigma of a told motion between pairs
+constexpr int kVanished = 3;          // points of a square, of four, that are seen no more: at its edge others are
 
 }  // namespace
 
 void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& depth_m, const cv::Mat& textured,
                        cv::Mat& met_left_px, cv::Mat& met_right_px) {
+  views_.clear();  // they point into the pairs
   if (!pairs_.empty() && pairs_.back().pose.series != pose.series) pairs_.clear();
   const auto isApart = [&](const Pair& last) {
     return stamp_s - last.stamp_s >= kApart_s ||
@@ -48,30 +50,45 @@ void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& de
 
 void EarlierPairs::moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
   views_.clear();
+  vanished_ = cv::Mat();
   while (!pairs_.empty() && !(stamp_s - pairs_.front().stamp_s <= memory_s)) pairs_.pop_front();
   if (!pose) return;
   for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
     if (pair->pose.series != pose->series) continue;
-    const double sigma_m = std::hypot(kPose_m, std::sqrt(std::max(0.0, pose->variance_m2 - pair->pose.variance_m2)));
-    const double sigma_rad = std::sqrt(std::max(0.0, pose->variance_rad2 - pair->pose.variance_rad2));
-    if (sigma_m <= kMost_m) views_.push_back({&*pair, pair->pose.T_M_C.inverse() * pose->T_M_C, sigma_m, sigma_rad});
+    const double sigma_m = std::hypot(kPose_m, std::sqrt(varianceBetween(pair->pose.translation, pose->translation)));
+    const double sigma_rad = std::hypot(kPose_rad, std::sqrt(varianceBetween(pair->pose.rotation, pose->rotation)));
+    const bool is_certain = sigma_m <= kMost_m && std::isfinite(sigma_rad);
+    if (is_certain) views_.push_back({&*pair, pair->pose.T_M_C.inverse() * pose->T_M_C, sigma_m, sigma_rad});
   }
 }
 
-void EarlierPairs::look(const DisparityEvidence& matches) {
+void EarlierPairs::forget() {
+  views_.clear();
+  vanished_ = cv::Mat();
+  pairs_.clear();
+}
+
+void EarlierPairs::look(const DisparityEvidence& matches, const cv::Mat& textured) {
   vanished_ = cv::Mat();
   if (views_.empty()) return;
-  const cv::Size size = geometry_.size(), cells((size.width + kCell_px - 1) / kCell_px, (size.height + kCell_px - 1) / kCell_px);
-  cv::Mat balance = cv::Mat::zeros(cells, CV_32SC1);  // points that are seen no more, less those that are
-  const Eigen::Isometry3f T_C_E = views_.front().T_E_C.inverse().cast<float>();
-  for (const Eigen::Vector3f& p_E : views_.front().pair->surface_C) {
-    const Eigen::Vector2d at_px = geometry_.project((T_C_E * p_E).cast<double>());
-    if (!geometry_.contains(at_px)) continue;
-    const int u = static_cast<int>(std::lround(at_px.x())), v = static_cast<int>(std::lround(at_px.y()));
-    const bool is_matched = !std::isnan(matches.best_px.at<float>(v, u)) || !std::isnan(matches.repeated_px.at<float>(v, u));
-    balance.at<int>(v / kCell_px, u / kCell_px) += is_matched ? -1 : 1;
+  const cv::Size size = geometry_.size();
+  const cv::Size cells((size.width + kCell_px - 1) / kCell_px, (size.height + kCell_px - 1) / kCell_px);
+  vanished_ = cv::Mat::zeros(cells, CV_8UC1);
+  const auto isSeen = [&](int v, int u) {
+    const bool is_matched = matches.best_px.at<float>(v, u) > 0.0f || matches.repeated_px.at<float>(v, u) > 0.0f;
+    return is_matched && textured.at<std::uint8_t>(v, u) != 0;
+  };
+  for (const View& view : views_) {
+    cv::Mat balance = cv::Mat::zeros(cells, CV_32SC1);  // points that are seen no more, less those that are
+    const Eigen::Isometry3f T_C_E = view.T_E_C.inverse().cast<float>();
+    for (const Eigen::Vector3f& p_E : view.pair->surface_C) {
+      const Eigen::Vector2d at_px = geometry_.project((T_C_E * p_E).cast<double>());
+      if (!geometry_.contains(at_px)) continue;
+      const int u = static_cast<int>(std::lround(at_px.x())), v = static_cast<int>(std::lround(at_px.y()));
+      balance.at<int>(v / kCell_px, u / kCell_px) += isSeen(v, u) ? -1 : 1;
+    }
+    vanished_ |= balance >= kVanished;
   }
-  vanished_ = balance > 0;
 }
 
 EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {
@@ -86,10 +103,12 @@ EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {
     return Eigen::Vector3d(K * (view.T_E_C * geometry_.point(u, v, depth_m)));
   };
   for (const View& view : views_) {
+    const double error_m = std::hypot(view.sigma_m, view.sigma_rad * depth_m);
+    if (!(error_m <= kMost_m)) continue;
     const Eigen::Vector3d corner = seen(view, 0, 0);
     plane.views_.push_back({&view.pair->met_left_px, &view.pair->met_right_px, corner.cast<float>(),
                             (seen(view, 1, 0) - corner).cast<float>(), (seen(view, 0, 1) - corner).cast<float>(),
-                            static_cast<float>(std::hypot(view.sigma_m, view.sigma_rad * depth_m))});
+                            static_cast<float>(error_m)});
   }
   return plane;
 }

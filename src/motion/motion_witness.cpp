@@ -44,12 +44,16 @@ std::string describe(const Way& way) {
   return text.str();
 }
 
+bool MotionWitness::isComparable(const Eigen::Isometry3d& T_S_C) {
+  return T_S_C.translation().norm() >= kLeast_m || Eigen::AngleAxisd(T_S_C.linear()).angle() >= kLeast_rad;
+}
+
 void MotionWitness::add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen) {
   const Way way{duration_s, told_S_C.translation(), seen.T_K_C.translation(), rotationVector(told_S_C.linear()),
                 rotationVector(seen.T_K_C.linear())};
   const double length_m = std::max(way.told_m.norm(), way.seen_m.norm());
   const double turn_rad = std::max(way.told_rad.norm(), way.seen_rad.norm());
-  if (length_m < kLeast_m && turn_rad < kLeast_rad) return;
+  if (!isComparable(told_S_C) && !isComparable(seen.T_K_C)) return;
   const double drift_rad = kTold_radps * duration_s;
   const double sigma_m = std::hypot(seen.sigma_m, kToldShare * length_m + kTold_m, drift_rad * length_m);
   const double sigma_rad = std::hypot(seen.sigma_rad, kToldShare * turn_rad, drift_rad);

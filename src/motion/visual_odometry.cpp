@@ -63,6 +63,7 @@ std::optional<RelativePose> VisualOdometry::track(const cv::Mat& left, const cv:
   RelativePose pose{T_C_K->inverse()};
   pose.sigma_m = std::hypot(kAlike * worst(covariance.topLeftCorner<3, 3>()), kOfWay * T_C_K->translation().norm());
   pose.sigma_rad = kAlike * worst(covariance.bottomRightCorner<3, 3>());
+  if (!pose.T_K_C.matrix().allFinite() || !std::isfinite(pose.sigma_m + pose.sigma_rad)) return std::nullopt;
   step_ = last_K_C_.inverse() * pose.T_K_C;
   last_K_C_ = pose.T_K_C;
   return pose;

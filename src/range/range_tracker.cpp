@@ -10,6 +10,7 @@ namespace {
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: stereo shows the LiDAR's surface, too
 constexpr double kRemembered_s = 1.0;      // of a contradiction, at most
+constexpr double kSameMoment_s = 0.03;     // at 1 rad/s the beam turns by 2 degrees in this time
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is reported when the beam meets nothing
 
 bool isFused(Outcome outcome) { return outcome == Outcome::Accepted || outcome == Outcome::Reinitialised; }
@@ -99,7 +100,7 @@ void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& 
   tracked.lidar_is_rejected = lidar_.isRejected();
   tracked.lidar_range_valid =
       lidar_.hasValidRange(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !disagrees(Sensor::Lidar);
-  tracked.lidar_is_new = tracked.lidar_range_valid && lidar_.range(stamp_s, stamp_s - pair_stamp_s_) > 0.0;
+  tracked.lidar_is_new = tracked.lidar_range_valid && lidar_.range(stamp_s, std::min(kSameMoment_s, stamp_s - pair_stamp_s_)) > 0.0;
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
   const double beyond_px = stereo ? beyondRig(stamp_s, *stereo, expected) : kNaN;
   const bool is_farther = disagrees(Sensor::Stereo) || beyond_px > 0.0;

@@ -102,6 +102,7 @@ void Processor::reset() {
   rig_.reset();
   up_.reset();
   lidar_.reset();
+  fixed_frame_.clear();
   has_products_ = false;
   report_ = refusal({}, flight_corridor::kNoData);
   map_header_.stamp = newest_stamp_ = ros::Time();
@@ -255,10 +256,15 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
   return T_W_C;
 }
 
-/// For the memory of earlier pairs, in the first of the usual fixed frames (REP-105) that tf has at the stamp.
-std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Header& header) const {
+/// For the memory of earlier pairs, in the first of the usual fixed frames (REP-105) that tf had at a stamp.
+std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Header& header) {
   for (const char* frame : {"odom", "map", "world"}) {
-    if (const auto T_W_C = transforms_.find(frame, header.frame_id, header.stamp)) return T_W_C;
+    if (!fixed_frame_.empty() && fixed_frame_ != frame) continue;
+    const bool moves = transforms_.newestStamp(frame, header.frame_id).has_value();  // what stands in tf tells no motion
+    const auto T_W_C = moves ? transforms_.find(frame, header.frame_id, header.stamp) : std::nullopt;
+    if (!T_W_C) continue;
+    fixed_frame_ = frame;
+    return T_W_C;
   }
   return std::nullopt;
 }

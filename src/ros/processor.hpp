@@ -91,7 +91,7 @@ class Processor {
   void explain(const StereoMessages& pair, const cv::Mat& right);
   void explainBlack(const char* side, const cv::Mat& image);
   std::optional<Eigen::Isometry3d> cameraPose(const std_msgs::Header& header);
-  std::optional<Eigen::Isometry3d> poseInAnyFrame(const std_msgs::Header& header) const;
+  std::optional<Eigen::Isometry3d> poseInAnyFrame(const std_msgs::Header& header);
   cv_bridge::CvImageConstPtr readImage(const sensor_msgs::ImageConstPtr& message, const sensor_msgs::CameraInfo& info,
                                        EightOfSixteen bits);
 
@@ -111,6 +111,7 @@ class Processor {
   ros::Time newest_stamp_;
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
+  std::string fixed_frame_;  // in which poses were found first
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
       rows_warning_, black_warning_, pose_warning_, heading_warning_, motion_warning_;
 };

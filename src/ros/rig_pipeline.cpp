@@ -70,7 +70,7 @@ void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& 
            calibration.fx_px, calibration.baseline_m, pipeline_->matchingDevice().name.c_str());
   if (const std::string doubts = flight_corridor::doubtsOf(calibration); !doubts.empty()) {
     ROS_WARN(
-        "CameraInfo is unusual: %s. If it is of other images, depth and position are wrong, and the verdict is FREE",
+        "CameraInfo is unusual: %s. If it is of other images, depth and position are wrong, and a FREE may be, too",
         doubts.c_str());
   }
   if (!pipeline_->seesFromBlind()) {

@@ -27,7 +27,8 @@ class ClearRays {
   /// surface without a step, which slopes by at most 60 degrees. At an angle a from the beam it is no nearer than
   /// Z / (1 + tan(60 deg) tan(a)). Not where it is matched nearer than that.
   /// @param evidence, textured as of the last look().  @param met_C where the beam ends, in C [m].
-  void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured, const Eigen::Vector3d& met_C);
+  void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
+                         const ScaleCorrection& correction, const Eigen::Vector3d& met_C);
 
   /// Up to which disparity each pixel's ray is clear, corrected, with noise, CV_32FC1; +inf: not clear. Whoever keeps
   /// one may put another image of that size in its place before the next look().

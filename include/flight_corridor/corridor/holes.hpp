@@ -39,7 +39,8 @@ constexpr double kHole = 1.6;
 /// What shows that space is clear; views.
 struct Absence {
   const ClearRays& rays;             ///< Of the newest pair.
-  const DisparityEvidence& matches;  ///< Of the newest pair: where it shows something, earlier pairs are not asked.
+  const DisparityEvidence& matches;  ///< Of the newest pair: of a place at a match, or behind one, earlier pairs are not
+                                     ///< asked.
   const EarlierPairs& earlier;
 };
 
@@ -68,6 +69,7 @@ class Holes {
   struct Place {
     float at_px = 0.0f;        // corrected disparity
     float measured_px = 0.0f;  // as it is matched
+    float first_px = 0.0f;     // smallest disparity searched
     int shift_px = 0;          // from a left pixel to the right one
     bool is_searched = false;  // not too near to be matched
     EarlierPairs::Plane earlier;  // as earlier pairs saw it

@@ -29,6 +29,9 @@ class ObstacleMemory {
   /// Cells that the newest pair sees through become less likely, old ones are forgotten.
   void update(double stamp_s, const Look& look);
 
+  /// When a patch touched the cell of a place last; -inf: none did.
+  double seen(const Eigen::Vector3d& p_M) const;
+
   /// Makes the cells that meet a box unknown.
   void clear(const Eigen::AlignedBox3d& box_M);
   void clear();

@@ -9,12 +9,23 @@
 
 namespace flight_corridor {
 
+/// Variance of a pose since its series began; of a told one 0.
+struct PoseVariance {
+  double key = 0.0;  ///< Of the key image that it was tracked from: poses of one key image have it in common.
+  double own = 0.0;  ///< Since that image.
+  double sum() const { return key + own; }
+};
+/// Of the motion from an earlier pose to a later one.
+inline double varianceBetween(const PoseVariance& earlier, const PoseVariance& later) {
+  return later.key - earlier.key + earlier.own + later.own;
+}
+
 /// A pose of the camera in a frame M that stands still.
 struct CameraPose {
   Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
-  int series = 0;              ///< Poses of another series cannot be compared with it.
-  double variance_m2 = 0.0;    ///< Of the translation since the series began; of told poses 0.
-  double variance_rad2 = 0.0;  ///< Of the rotation.
+  int series = 0;  ///< Poses of another series cannot be compared with it.
+  PoseVariance translation = {};  ///< [m^2]
+  PoseVariance rotation = {};     ///< [rad^2]
 };
 
 /// Where the camera is, for comparing pairs: by poses that are told, else by its images; and whether the two agree. One
@@ -26,6 +37,7 @@ class CameraMotion {
   /// A pair, not older than the last.
   /// @param left CV_8UC1.  @param disparity_px its matches, CV_32FC1 [px], NaN = no match.  @param correction of these.
   /// @param told_W_C pose in a fixed frame by others; absent: unknown.
+  /// Told poses may be missing for up to a second: there is no pose then.
   void update(double stamp_s, const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction,
               const std::optional<Eigen::Isometry3d>& told_W_C);
 
@@ -41,8 +53,13 @@ class CameraMotion {
 
   VisualOdometry odometry_;
   MotionWitness witness_;
+  bool isJump(const Eigen::Isometry3d& told_W_C, double since_s) const;
+
   double stamp_s_ = kNaN;
   bool is_told_ = false;
+  double told_s_ = kNaN, step_s_ = kNaN;  // stamp of the last told pose, and time since the one before
+  Eigen::Isometry3d told_W_C_ = Eigen::Isometry3d::Identity(), step_ = Eigen::Isometry3d::Identity();  // it, and its step
+  int series_ = 0;
   std::optional<CameraPose> pose_;
   CameraPose key_;  // pose of the key image, by the images
   // The way that is compared.

@@ -13,8 +13,9 @@ namespace flight_corridor {
 
 /// What earlier pairs saw clear: their clear rays, each with its pose, for places that the newest pair does not show
 /// (a history of views instead of a fused map: NanoMap, Florence et al. 2018). A place was clear if the rays of two
-/// earlier pairs were, so that one pair's mistake is not remembered. Where a surface that the last of them saw is seen
-/// no more, something may have come before it: there nothing is remembered. One object, one caller at a time.
+/// earlier pairs were, so that one pair's mistake is not remembered. Where a surface that one
+/// of them saw is seen no more, something may have come before it: there nothing is remembered. One object, one caller at
+/// a time.
 class EarlierPairs {
  public:
   explicit EarlierPairs(const StereoGeometry& geometry) : geometry_(geometry) {}
@@ -30,9 +31,12 @@ class EarlierPairs {
 
   bool empty() const { return views_.empty(); }
 
-  /// Compares the newest pair's matches with the surfaces that the last earlier pair saw.
-  /// @param matches of the newest pair.
-  void look(const DisparityEvidence& matches);
+  /// Forgets all.
+  void forget();
+
+  /// Compares the newest pair's matches with the surfaces that the earlier pairs saw.
+  /// @param matches of the newest pair.  @param textured CV_8UC1: where they are no chance.
+  void look(const DisparityEvidence& matches, const cv::Mat& textured);
   /// Whether a surface that was seen at a pixel of the newest pair is seen no more.
   bool hasVanished(int u, int v) const {
     return !vanished_.empty() && vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
@@ -69,7 +73,7 @@ class EarlierPairs {
     double sigma_m, sigma_rad;
   };
 
-  static constexpr int kCell_px = 8;  // squares in which a surface is seen, or not
+  static constexpr int kCell_px = 16;  // squares in which a surface is seen, or not
 
   StereoGeometry geometry_;
   cv::Mat vanished_;  // a square

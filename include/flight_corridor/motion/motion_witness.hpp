@@ -26,6 +26,9 @@ class MotionWitness {
   /// @param told_S_C, seen pose at its end in the camera of its start.
   void add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen);
 
+  /// Whether a way is long, or turns enough.
+  static bool isComparable(const Eigen::Isometry3d& T_S_C);
+
   /// The last two ways that were long enough to be compared disagree, each by more than three sigma.
   bool contradicts() const { return disagreeing_ >= kInSuccession; }
   /// The last way that disagreed.

@@ -22,7 +22,7 @@ struct TrackedRange {
   /// d_K rests on the LiDAR: it is not slow, not in persistent disagreement, and a reading was believed within
   /// fusion/max_gap_s; all later ones were of farther surfaces.
   bool lidar_range_valid = false;
-  bool lidar_is_new = false;  ///< Such a range came since the pair before: it is of what this pair shows.
+  bool lidar_is_new = false;  ///< Such a range is of this pair's moment: of what it shows.
   bool lidar_is_nearer =
       false;  ///< Persistently nearer than stereo, which does not show it beside the beam; or too close.
   bool lidar_is_slow = false;                 ///< It pauses three times its recent mean.
