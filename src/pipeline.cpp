@@ -165,7 +165,6 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
   motion_.update(stamp_s, pair_.left, disparity_.best_px, scale(), told_W_C);
   const auto& pose = motion_.pose();
   if (pose && pose->series != series_) {
-    if (obstacles_.tree().size() > 0) lost_s_ = stamp_s;
     obstacles_.clear();
     series_ = pose->series;
   }
@@ -247,10 +246,8 @@ void Pipeline::decide() {
   } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
     verdict.withhold(kRecentlyBlocked);
   }
-  // Obstacles that were remembered, but not where: nothing is FREE until they would have been forgotten as absence is.
-  const bool is_place_lost = verdict.stamp_s - lost_s_ <= corridor.memory_s ||
-                             (!motion_.pose() && obstacles_.tree().size() > 0);
-  if (is_place_lost && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
+  const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
+  if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   report_.clears = clears_ = isTrusted();
   updateObstacles();
   judged_s_ = verdict.stamp_s;
@@ -258,7 +255,7 @@ void Pipeline::decide() {
 
 void Pipeline::updateObstacles() {
   const auto& pose = motion_.pose();
-  if (!pose) return;
+  if (!pose) return obstacles_.update(report_.verdict.stamp_s, [](const auto&) { return Sight::Nothing; });
   const Eigen::Isometry3d T_C_V = pose->T_M_C.inverse();
   obstacles_.update(report_.verdict.stamp_s, [&](const Eigen::Vector3d& centre_V) {
     return clears_ ? sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) : Sight::Nothing;

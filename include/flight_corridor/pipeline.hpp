@@ -189,7 +189,6 @@ class Pipeline {
   EarlierPairs earlier_;
   ObstacleMemory obstacles_;  // in the frame of motion_'s present series
   int series_ = 0;
-  double lost_s_ = -kInfinity;  // when obstacles were forgotten because nobody knows where they are
   bool clears_ = false;    // the free space of the last pair that was judged
   double judged_s_ = kNaN;  // ... and its stamp
   std::uint32_t image_faults_ = 0;  // of the last pair
