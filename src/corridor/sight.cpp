@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flight_corridor/stereo/match_error.hpp"
-
 namespace flight_corridor {
 
 namespace {
 
 constexpr int kSamples = 6;            // along the cube's edge
 constexpr double kClearShare = 0.9;    // of the samples: what is thinner than the rest may stand in the cube
-constexpr double kSurfaceShare = 0.1;  // of the samples: a match may be chance
+constexpr double kSurfaceShare = 0.3;  // of the samples: the rest may be beside it
+constexpr double kOneSurface_px = 1.0;  // between disparities of one surface, then and now
 
 }  // namespace
 
@@ -34,8 +33,8 @@ Sight sightOf(const PairEvidence& pair, const StereoGeometry& geometry, const Ei
       clear += pair.rays.isClear(u, v, far_px, shift_px);
       const double depth_m = pair.depth_m.at<float>(v, u);
       const double match_px = geometry.disparity(depth_m);
-      surface += pair.textured.at<std::uint8_t>(v, u) && far_px - kMatchNoise_px <= match_px &&
-                 match_px <= near_px + kMatchNoise_px;
+      surface += pair.textured.at<std::uint8_t>(v, u) && far_px - kOneSurface_px <= match_px &&
+                 match_px <= near_px + kOneSurface_px;
     }
   }
   constexpr int kAll = kSamples * kSamples;

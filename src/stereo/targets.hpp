@@ -9,5 +9,8 @@
 /// may vectorise a loop of high halves of products wrongly (GCC bug 106322); there are no products here.
 #define HWY_BROKEN_EMU128 0
 
-/// Processors since Ice Lake and Zen 4 count the bits of bytes at once.
+/// Processors since Ice Lake and Zen 4 count the bits of bytes at once. Clang before 16 encodes vpdpwssd for AVX-VNNI
+/// there, which Zen 4 has not: an illegal instruction.
+#if !defined(__clang__) || __clang_major__ >= 16
 #define HWY_WANT_AVX3_DL
+#endif
