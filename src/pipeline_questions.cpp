@@ -55,7 +55,7 @@ BoxCells Pipeline::remembered(const Box& box_C) const {
   const auto counts = [&](const Eigen::Vector3d& centre_V) {
     const bool is_earlier = obstacles_.seen(centre_V) < report_.verdict.stamp_s;
     return is_earlier &&
-           sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) != Sight::Surface;
+           sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) == Sight::Nothing;
   };
   const BoxCells obstacles = cellsIn(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
   remembered.clear_distance_m = std::min(remembered.clear_distance_m, obstacles.clear_distance_m);

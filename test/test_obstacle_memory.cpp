@@ -12,7 +12,7 @@ const Eigen::Vector3d kPlace(2.04, 0.03, 0.06);
 
 Sight nothing(const Eigen::Vector3d&) { return Sight::Nothing; }
 Sight clearThere(const Eigen::Vector3d&) { return Sight::Clear; }
-Sight surface(const Eigen::Vector3d&) { return Sight::Surface; }
+Sight unclear(const Eigen::Vector3d&) { return Sight::Unclear; }
 
 bool isOccupied(const ObstacleMemory& memory, const Eigen::Vector3d& at = kPlace) {
   const octomap::OcTreeNode* node = memory.tree().search(at.x(), at.y(), at.z());
@@ -47,10 +47,10 @@ TEST(ObstacleMemory, TwoPairsThatSeeThroughACellFreeIt) {
   EXPECT_FALSE(isOccupied(memory));
 }
 
-TEST(ObstacleMemory, ASurfaceThatIsSeenIsNoReasonToForget) {
+TEST(ObstacleMemory, WhatIsUnclearIsNoReasonToForget) {
   ObstacleMemory memory{MapConfig()};
   memory.add({kPlace}, 1.0);
-  for (int i = 1; i <= 5; ++i) memory.update(1.0 + 0.1 * i, surface);
+  for (int i = 1; i <= 5; ++i) memory.update(1.0 + 0.1 * i, unclear);
   EXPECT_TRUE(isOccupied(memory));
 }
 

@@ -7,10 +7,8 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kSamples = 6;            // along the cube's edge
-constexpr double kClearShare = 0.9;    // of the samples: what is thinner than the rest may stand in the cube
-constexpr double kSurfaceShare = 0.3;  // of the samples: the rest may be beside it
-constexpr double kOneSurface_px = 1.0;  // between disparities of one surface, then and now
+constexpr int kSamples = 6;          // along the cube's edge
+constexpr double kClearShare = 0.9;  // of the samples: what is thinner than the rest may stand in the cube
 
 }  // namespace
 
@@ -19,27 +17,19 @@ Sight sightOf(const PairEvidence& pair, const StereoGeometry& geometry, const Ei
   const double near_m = centre_C.z() - 0.5 * edge_m, far_m = centre_C.z() + 0.5 * edge_m;
   if (!(near_m >= pair.nearest_m)) return Sight::Nothing;
   const auto far_px = static_cast<float>(geometry.disparity(far_m));
-  const double near_px = geometry.disparity(near_m);
   const int shift_px = static_cast<int>(
       std::lround(far_px * pair.correction.scale(far_px) + geometry.principalPointDifference()));
-  int seen = 0, clear = 0, surface = 0;
+  int clear = 0;
   for (int i = 0; i < kSamples; ++i) {
     for (int j = 0; j < kSamples; ++j) {
       const Eigen::Vector3d off_m = edge_m * Eigen::Vector3d((i + 0.5) / kSamples - 0.5, (j + 0.5) / kSamples - 0.5, 0.0);
       const Eigen::Vector2d at_px = geometry.project(centre_C + off_m);
-      if (!geometry.contains(at_px) || at_px.x() < shift_px) continue;
-      const int u = static_cast<int>(std::lround(at_px.x())), v = static_cast<int>(std::lround(at_px.y()));
-      ++seen;
-      clear += pair.rays.isClear(u, v, far_px, shift_px);
-      const double depth_m = pair.depth_m.at<float>(v, u);
-      const double match_px = geometry.disparity(depth_m);
-      surface += pair.textured.at<std::uint8_t>(v, u) && far_px - kOneSurface_px <= match_px &&
-                 match_px <= near_px + kOneSurface_px;
+      if (!geometry.contains(at_px) || at_px.x() < shift_px) return Sight::Nothing;
+      clear += pair.rays.isClear(static_cast<int>(std::lround(at_px.x())), static_cast<int>(std::lround(at_px.y())),
+                                 far_px, shift_px);
     }
   }
-  constexpr int kAll = kSamples * kSamples;
-  if (surface > kSurfaceShare * kAll) return Sight::Surface;
-  return seen == kAll && clear >= kClearShare * kAll ? Sight::Clear : Sight::Nothing;
+  return clear >= kClearShare * kSamples * kSamples ? Sight::Clear : Sight::Unclear;
 }
 
 }  // namespace flight_corridor

@@ -5,8 +5,8 @@
 
 namespace flight_corridor {
 
-/// What the newest pair shows in a small cube: Clear if the rays of nearly all its pixels pass it, Surface if
-/// matches on texture lie in it.
+/// What the newest pair shows in a small cube: Nothing if it is nearer than stereo sees or not all in view of both
+/// cameras, Clear if nearly all rays pass it, else Unclear.
 /// @param centre_C in C [m].  @param edge_m of the cube.
 Sight sightOf(const PairEvidence& pair, const StereoGeometry& geometry, const Eigen::Vector3d& centre_C, double edge_m);
 
