@@ -191,6 +191,7 @@ TEST(StereoGeometry, ACalibrationOfAnImageALittleLargerIsDoubtedOrRefused) {
   }
   const std::string text = doubtsOf(withPrincipalPoint({640, 480}, 0.56, 0.56));
   EXPECT_NE(text.find("likely of 717 x 538 px"), text.npos) << text;
+  EXPECT_NE(doubtsOf(withPrincipalPoint({640, 480}, 1e18, 0.5)).find("likely of 1.28e+21 x 480 px"), text.npos);
 }
 
 /// EuRoC, KITTI, ETH3D and Middlebury, rectified.

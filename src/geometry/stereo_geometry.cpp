@@ -77,9 +77,9 @@ std::string offMiddle(const char* name, const char* side, double off, double mos
 }
 
 /// Of a larger image they show a part: likely the middle one.
-std::string likelyCrop(const char* name, int size_px, int likely_px) {
+std::string likelyCrop(const char* name, int size_px, double likely_px) {
   if (likely_px <= size_px) return "";
-  const int first = (likely_px - size_px) / 2;
+  const double first = std::floor(0.5 * (likely_px - size_px));
   std::ostringstream text;
   text << ", of which these images show " << size_px << " " << name << ", e.g. " << first << " to " << first + size_px;
   return text.str();
@@ -93,15 +93,15 @@ std::string likelySize(const PrincipalPoint& point) {
   if (both > kUsualOfBoth && both > 0.5 * std::max(across, down)) {
     const double factor = 1.0 + point.across() + point.down();
     if (!(factor > 0.0)) return "";
-    text << ": the calibration is likely of " << std::lround(factor * size_px.width) << " x "
-         << std::lround(factor * size_px.height) << " px";
+    text << ": the calibration is likely of " << std::round(factor * size_px.width) << " x "
+         << std::round(factor * size_px.height) << " px";
     return text.str();
   }
-  const auto likely = [](double centre_px, double off, double usual, int size_px) {
-    return off > usual ? static_cast<int>(2 * std::lround(centre_px)) : size_px;
+  const auto likely = [](double centre_px, double off, double usual, double size_px) {
+    return off > usual ? 2.0 * std::round(centre_px) : size_px;
   };
-  const int width_px = likely(point.cx_px, across, kUsualAcross, size_px.width);
-  const int height_px = likely(point.cy_px, down, kUsualDown, size_px.height);
+  const double width_px = likely(point.cx_px, across, kUsualAcross, size_px.width);
+  const double height_px = likely(point.cy_px, down, kUsualDown, size_px.height);
   if (width_px <= 0 || height_px <= 0) return "";
   text << ": the calibration is likely of " << width_px << " x " << height_px << " px"
        << likelyCrop("columns", size_px.width, width_px) << likelyCrop("rows", size_px.height, height_px);
