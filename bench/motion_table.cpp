@@ -35,7 +35,7 @@ double quantile(std::vector<double> values, double share) {
 }
 
 void run(const std::string& path, const std::string& frame) {
-  tools::StereoBagReader reader(path, {"", "", "", "", "", ""});
+  tools::StereoBagReader reader(path, {"", "", "", "", "", "", ""});
   flight_corridor_ros::Transforms transforms;
   std::optional<StereoGeometry> geometry;
   std::optional<DisparityEstimator> estimator;

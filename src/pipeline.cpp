@@ -156,6 +156,7 @@ void Pipeline::trackRange() {
 void Pipeline::remember() {
   const bool clears = std::exchange(clears_, false);
   if (!motion_.pose() || !clears || config_.corridor.memory_s <= 0.0) return;
+  rays_.keepSeen();
   earlier_.add(judged_s_, *motion_.pose(), depth_m_, left_texture_.mask(), rays_.metLeft(), rays_.metRight());
 }
 

@@ -100,6 +100,24 @@ TEST_F(CameraMotionTest, AToldPoseIsTakenAsItIs) {
   EXPECT_TRUE(motion.pose()->T_M_C.isApprox(truth(pair.images.stamp_s)));
 }
 
+TEST_F(CameraMotionTest, TheImagesTellWhatLiesBetweenToldPoses) {
+  CameraMotion motion{StereoGeometry(flight().calibration())};
+  const auto told = [](int i) { return i % 4 == 0; };  // every 0.4 s
+  std::optional<CameraPose> first;
+  for (int i = 0; i < kPairs; ++i) {
+    const Pair& pair = pairs()[i];
+    const Eigen::Isometry3d T_W_C = truth(pair.images.stamp_s);
+    motion.update(pair.images.stamp_s, pair.images.left, pair.disparity_px, correction_,
+                  told(i) ? std::optional(T_W_C) : std::nullopt);
+    ASSERT_TRUE(motion.pose()) << i;
+    if (!first) first = motion.pose();
+    EXPECT_EQ(motion.pose()->series, first->series) << i;
+    EXPECT_LE((motion.pose()->T_M_C.translation() - T_W_C.translation()).norm(), told(i) ? 1e-9 : 0.03) << i;
+    const double sigma_m = std::sqrt(varianceBetween(first->translation, motion.pose()->translation));
+    EXPECT_EQ(sigma_m > 0.0, !told(i)) << i;
+  }
+}
+
 TEST_F(CameraMotionTest, PosesFromBeforeAJumpAreOfAnotherSeries) {
   CameraMotion motion{StereoGeometry(flight().calibration())};
   int series = 0;

@@ -52,7 +52,7 @@ class RawBagTest : public test_support::WallBagTest {
   }
 
   Report lastReport(const BagReading& reading) const {
-    const StereoBagReader bag(path(), {"", "", "", "", "", ""}, reading);
+    const StereoBagReader bag(path(), {"", "", "", "", "", "", ""}, reading);
     Report last;
     Replayer(bag, config).run([&](const Answer& answer) { last = answer.report; });
     return last;
@@ -97,7 +97,7 @@ TEST_F(RawBagTest, ImagesNamedOrDeclaredRectifiedStayAsTheyAre) {
         std::tuple("image_rect", ImageState::AsNamed, false), std::tuple("image_rect_color", ImageState::Raw, true)}) {
     writeWall(kDisparity_px);
     makeRaw(raw, name, "", true);
-    const StereoBagReader bag(path(), {"", "", "", "", "", ""}, {{}, given});
+    const StereoBagReader bag(path(), {"", "", "", "", "", "", ""}, {{}, given});
     bool has_distortion = false;
     bag.play({}, {[&](const RecordedPair& pair) { has_distortion = pair.left_info->D[0] != 0.0; },
                   [](const sensor_msgs::RangeConstPtr&) {}});
@@ -145,11 +145,11 @@ TEST_F(RawBagTest, WhatIsReadOfTheCalibrationIsSaid) {
   writeWall(kDisparity_px);
   const RawRig raw = test_support::makeRawRig(rig.calibration, true);
   makeRaw(raw, "image_raw", "", true);
-  const std::string with_infos = StereoBagReader(path(), {"", "", "", "", "", ""}).describe();
+  const std::string with_infos = StereoBagReader(path(), {"", "", "", "", "", "", ""}).describe();
   EXPECT_NE(with_infos.find("\ncalibration: left equidistant of 4 coefficients, "), std::string::npos) << with_infos;
   std::ofstream(folder.path("camchain.yaml")) << test_support::kalibrYaml(raw);
   const std::string with_file =
-      StereoBagReader(path(), {"", "", "", "", "", ""}, {{folder.path("camchain.yaml")}}).describe();
+      StereoBagReader(path(), {"", "", "", "", "", "", ""}, {{folder.path("camchain.yaml")}}).describe();
   EXPECT_NE(with_file.find("\ncalibration: left cam0 equidistant of 4 coefficients, "), std::string::npos) << with_file;
 }
 

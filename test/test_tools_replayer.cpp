@@ -114,6 +114,21 @@ TEST_F(ReplayerTest, GivesTheSameAnswersTwice) {
   }
 }
 
+TEST_F(ReplayerTest, OdometryTellsTheMotionWhereNeitherTfNorTheImagesDo) {
+  writeOne(image(kWidth, kHeight, "mono8"), image(kWidth, kHeight, "mono8"));  // the last pair is plain
+  EXPECT_TRUE(replay().back().verdict.reasons & kNoMotion);
+  rosbag::Bag bag(path(), rosbag::bagmode::Append);
+  for (int i = 0; i < 2; ++i) {
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = kWallStart + ros::Duration(9.9 + 0.1 * i);
+    odometry.child_frame_id = "base_link";
+    odometry.pose.pose.orientation.w = 1.0;
+    bag.write(StereoTopics().odom, odometry.header.stamp, odometry);
+  }
+  bag.close();
+  EXPECT_FALSE(replay().back().verdict.reasons & kNoMotion);
+}
+
 TEST_F(ReplayerTest, AnImuAtRestChangesNothing) {
   writeWall(6);
   const Report without = replay().back();

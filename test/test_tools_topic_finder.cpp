@@ -2,6 +2,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
@@ -14,7 +15,7 @@
 namespace flight_corridor::tools {
 namespace {
 
-const StereoTopics kNothingNamed{"", "", "", "", "", ""};
+const StereoTopics kNothingNamed{"", "", "", "", "", "", ""};
 
 class TopicFinderTest : public testing::Test {
  protected:
@@ -30,6 +31,8 @@ class TopicFinderTest : public testing::Test {
           bag.write(topic, stamp, sensor_msgs::CameraInfo());
         } else if (topic.find("imu") != std::string::npos) {
           bag.write(topic, stamp, sensor_msgs::Imu());
+        } else if (topic.find("odom") != std::string::npos) {
+          bag.write(topic, stamp, nav_msgs::Odometry());
         } else if (topic.find("range") != std::string::npos) {
           bag.write(topic, stamp, sensor_msgs::Range());
         } else if (topic.find("compressed") != std::string::npos) {
@@ -138,16 +141,19 @@ TEST_F(TopicFinderTest, TheInfosLieBesideTheImages) {
   EXPECT_EQ(error(), "") << "with a calibration none is needed";
 }
 
-TEST_F(TopicFinderTest, TheOnlyRangeAndTheOnlyImuAreTaken) {
-  write({"/cam0/image_raw", "/cam1/image_raw", "/mavros/range_down", "/imu0"});
+TEST_F(TopicFinderTest, TheOnlyRangeImuAndOdometryAreTaken) {
+  write({"/cam0/image_raw", "/cam1/image_raw", "/mavros/range_down", "/imu0", "/vio/odom"});
+  EXPECT_EQ(find().odom, "/vio/odom");
   EXPECT_EQ(find().range, "/mavros/range_down");
   EXPECT_EQ(find().imu, "/imu0");
-  write({"/cam0/image_raw", "/cam1/image_raw", "/range_a", "/range_b", "/imu_a", "/imu_b"});
+  write({"/cam0/image_raw", "/cam1/image_raw", "/range_a", "/range_b", "/imu_a", "/imu_b", "/odom_a",
+         "/odom_b"});
   EXPECT_NE(error().find("\n  --range /range_a\n  --range /range_b"), std::string::npos) << error();
   StereoTopics named = kNothingNamed;
   named.range = "none";
   EXPECT_EQ(find(named).range, "");
   EXPECT_EQ(find(named).imu, "");
+  EXPECT_EQ(find(named).odom, "");
 }
 
 TEST_F(TopicFinderTest, TheUsualTopicsComeFirst) {

@@ -15,10 +15,11 @@ namespace flight_corridor {
 namespace {
 
 constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
+constexpr auto kNoise_px = static_cast<float>(kMatchNoise_px);
 constexpr int kBands = 8;       // of rows, side by side
 constexpr int kEndMatches = 3;  // beside a run without texture, at least
 constexpr int kFaintEdge_px = 7;          // an edge has gaps so wide
-constexpr double kSteepest = 1.7320508;   // tan(60 deg): slope of a surface that the LiDAR still ranges
+constexpr float kSteepest = 1.7320508f;   // tan(60 deg): slope of a surface that the LiDAR still ranges
 constexpr float kOtherSurface_px = 1.0f;  // a match that is nearer by more shows another surface
 
 }  // namespace
@@ -26,11 +27,13 @@ constexpr float kOtherSurface_px = 1.0f;  // a match that is nearer by more show
 ClearRays::ClearRays(const StereoGeometry& geometry)
     : geometry_(geometry),
       first_px_(firstDisparity(geometry)),
+      inferred_(geometry.size(), CV_8UC1),
       met_left_px_(geometry.size(), CV_32FC1),
       met_right_px_(geometry.size(), CV_32FC1) {}
 
 void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
                      const ScaleCorrection& correction, BandWorkers& workers) {
+  inferred_.setTo(0);
   workers.run(kBands, [&](int band, int) {
     const int rows = met_left_px_.rows;
     for (int v = rows * band / kBands; v < rows * (band + 1) / kBands; ++v) {
@@ -57,20 +60,28 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
   cv::dilate(region_(inner) == 255, closed_, grown);  // without the mask's border, which is 1
   around = (around + cv::Size(2 * kFaintEdge_px, 2 * kFaintEdge_px) - cv::Point(kFaintEdge_px, kFaintEdge_px)) &
            cv::Rect({0, 0}, closed_.size());
-  const Eigen::Vector2d beam_ray = met_C.head<2>() / met_C.z();
+  const Eigen::Vector2f beam_ray = (met_C.head<2>() / met_C.z()).cast<float>();
+  const Eigen::Vector2f first_ray = geometry_.point(0, 0, 1.0).head<2>().cast<float>();
+  const Eigen::Vector2f step = (geometry_.point(1, 1, 1.0) - geometry_.point(0, 0, 1.0)).head<2>().cast<float>();
+  const auto met_px = static_cast<float>(geometry_.disparity(met_C.z()));
   for (int v = around.y; v < around.br().y; ++v) {
-    auto* met_px = met_left_px_.ptr<float>(v);
+    auto* left_px = met_left_px_.ptr<float>(v);
+    const std::uint8_t *is_textured = textured.ptr(v), *is_surface = closed_.ptr(v);
+    auto* inferred = inferred_.ptr(v);
     const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
     for (int u = around.x; u < around.br().x; ++u) {
-      if (!closed_.at<std::uint8_t>(v, u) || textured.at<std::uint8_t>(v, u)) continue;
-      const double off = (geometry_.point(u, v, 1.0).head<2>() - beam_ray).norm();
-      const auto clear_px =
-          static_cast<float>(geometry_.disparity(met_C.z() / (1.0 + kSteepest * off)) + kMatchNoise_px);
+      if (!is_surface[u] || is_textured[u]) continue;
+      const float off = (first_ray + step.cwiseProduct(Eigen::Vector2f(u, v)) - beam_ray).norm();
+      const float clear_px = met_px * (1.0f + kSteepest * off) + kNoise_px;
       const double match_px = correction.correct(std::isnan(best[u]) ? repeated[u] : best[u]);
-      if (!(match_px > clear_px + kOtherSurface_px)) met_px[u] = std::min(met_px[u], clear_px);
+      if (match_px > clear_px + kOtherSurface_px) continue;
+      left_px[u] = std::min(left_px[u], clear_px);
+      inferred[u] = 0;
     }
   }
 }
+
+void ClearRays::keepSeen() { met_left_px_.setTo(kUnknown_px, inferred_); }
 
 /// The right camera's ray meets the nearest match there.
 void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::uint8_t* textured,
@@ -88,7 +99,7 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
     const bool has_nearer = is_repeated && (flags[u] & kCompetitor) != 0;
     const float nearest_px = has_nearer ? std::max(match_px, static_cast<float>(competitor[u] + first_px_)) : match_px;
     const float met_px = textured[u]
-                             ? static_cast<float>(correction.correct(nearest_px)) + static_cast<float>(kMatchNoise_px)
+                             ? static_cast<float>(correction.correct(nearest_px)) + kNoise_px
                              : kUnknown_px;
     left[u] = met_px;
     const int u_right = static_cast<int>(std::lround(u - match_px - geometry_.principalPointDifference()));
@@ -128,6 +139,7 @@ void ClearRays::clearTexturelessRuns(int v, const DisparityEvidence& evidence, c
     const int strip = end - u > 2 * kEdgeWidth_px ? kEdgeWidth_px : 0;  // shorter gaps are of noise
     const float one_px = endOf(u - kEdgeWidth_px, u, strip), other_px = endOf(end, end - strip, strip);
     std::fill(met_px + u, met_px + end, std::max(one_px, other_px));
+    if (strip > 0) std::fill(inferred_.ptr(v) + u, inferred_.ptr(v) + end, 255);
   }
 }
 

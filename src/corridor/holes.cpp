@@ -17,6 +17,7 @@ namespace {
 constexpr double kStep = 1.12;          // from a depth to the next
 constexpr double kJustInside = 0.999;   // of the box's end: there its rays leave it
 constexpr int kPerObstacle = 6;         // pixels looked at along the smallest obstacle, at the most
+constexpr int kBlocks = 3;              // along a square that hides the smallest obstacle
 constexpr double kFarthest_m = 1000.0;  // a box has an end, whatever its pose
 constexpr double kNearest_m = 0.05;     // nearer no camera is in focus
 constexpr float kTouching_px = 1.0f;    // a match so near to a place is of a surface that may be there
@@ -122,34 +123,51 @@ bool Holes::wasClear(int u, int v, const Place& place, const Absence& absence) {
   return !(match_px >= place.measured_px - kTouching_px) && place.earlier.wasClear(u, v);
 }
 
+/// Pixels in squares become clear where earlier pairs saw them clear. Of a block whose middle they did not, the rest is
+/// not asked about: it stays unclear.
+void Holes::askEarlier(const Plane& plane, Place& place, const Absence& absence) {
+  const int block = std::max(1, place.edge / kBlocks);
+  const auto was_clear = [&](int row, int column) {
+    return wasClear(plane.view.x + plane.stride_px * column, plane.view.y + plane.stride_px * row, place, absence);
+  };
+  for (int first_row = 0; first_row < place.unclear.rows; first_row += block) {
+    const int end_row = std::min(first_row + block, place.unclear.rows);
+    for (int first_column = 0; first_column < place.unclear.cols; first_column += block) {
+      const int end_column = std::min(first_column + block, place.unclear.cols);
+      const int row = (first_row + end_row) / 2, column = (first_column + end_column) / 2;
+      if (place.unclear.at<std::uint8_t>(row, column) && !was_clear(row, column)) continue;
+      for (int i = first_row; i < end_row; ++i) {
+        for (int j = first_column; j < end_column; ++j) {
+          const bool is_asked = place.unclear.at<std::uint8_t>(i, j) && in_squares_.at<std::uint8_t>(i, j);
+          if (is_asked && was_clear(i, j)) place.unclear.at<std::uint8_t>(i, j) = 0;
+        }
+      }
+    }
+  }
+}
+
 /// Pixels that both cameras see and neither's ray is clear; and where squares of them end that hide the smallest
 /// obstacle. Only in such squares earlier pairs are asked.
-void Holes::findUnclear(const Plane& plane, const Place& place, const Absence& absence) {
+void Holes::findUnclear(const Plane& plane, Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
-  unclear_.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
-  for (int row = 0; row < unclear_.rows; ++row) {
-    auto* unclear = unclear_.ptr(row);
-    for (int column = 0; column < unclear_.cols; ++column) {
+  place.unclear.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
+  for (int row = 0; row < place.unclear.rows; ++row) {
+    auto* unclear = place.unclear.ptr(row);
+    for (int column = 0; column < place.unclear.cols; ++column) {
       unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, absence);
     }
   }
   const cv::Mat square = cv::Mat::ones(place.edge, place.edge, CV_8UC1);
   const auto find_squares = [&] {
-    cv::erode(unclear_, hides_, square, {place.edge - 1, place.edge - 1}, 1, cv::BORDER_CONSTANT, 0);
+    cv::erode(place.unclear, hides_, square, {place.edge - 1, place.edge - 1}, 1, cv::BORDER_CONSTANT, 0);
   };
   find_squares();
   if (place.is_searched && !absence.earlier.empty() && cv::countNonZero(hides_) > 0) {
     cv::dilate(hides_, in_squares_, square, {0, 0}, 1, cv::BORDER_CONSTANT, 0);
-    for (int row = 0; row < unclear_.rows; ++row) {
-      for (int column = 0; column < unclear_.cols; ++column) {
-        if (!in_squares_.at<std::uint8_t>(row, column)) continue;
-        const int u = plane.view.x + stride * column, v = plane.view.y + stride * row;
-        if (wasClear(u, v, place, absence)) unclear_.at<std::uint8_t>(row, column) = 0;
-      }
-    }
+    askEarlier(plane, place, absence);
     find_squares();
   }
-  cv::integral(unclear_, unclear_sum_, CV_32S);
+  cv::integral(place.unclear, unclear_sum_, CV_32S);
   cv::integral(hides_, hides_sum_, CV_32S);
 }
 
@@ -170,20 +188,21 @@ Holes::Look Holes::look(const Plane& plane, const Section& section, const Place&
 }
 
 /// The edge of the largest square that ends at a pixel is one more than the least of its three neighbours'.
-Holes::Square Holes::search(const Plane& plane, const Place& place, int direction, const Absence& absence) {
+Holes::Square Holes::search(const Plane& plane, const Place& place, int direction) {
   const cv::Rect& view = plane.sections[direction].view;
-  const auto first = [&](int pixel, int from) {
-    return from + (pixel - from + plane.stride_px - 1) / plane.stride_px * plane.stride_px;
-  };
-  const int first_u = first(view.x, plane.view.x);
-  const int columns = (view.br().x - first_u + plane.stride_px - 1) / plane.stride_px;
+  const int stride = plane.stride_px;
+  const auto strides = [stride](int pixels) { return (pixels + stride - 1) / stride; };
+  const int first = strides(view.x - plane.view.x), columns = strides(view.br().x - plane.view.x) - first;
   above_.assign(columns + 1, 0);
   squares_.assign(columns + 1, 0);
   Square largest;
-  for (int v = first(view.y, plane.view.y); v < view.br().y; v += plane.stride_px) {
-    for (int i = 1, u = first_u; i <= columns; ++i, u += plane.stride_px) {
+  for (int row = strides(view.y - plane.view.y); row < strides(view.br().y - plane.view.y); ++row) {
+    const auto* unclear = place.unclear.ptr(row) + first;
+    const int v = plane.view.y + stride * row;
+    for (int i = 1; i <= columns; ++i) {
+      const int u = plane.view.x + stride * (first + i - 1);
       const bool is_unclear =
-          isUnclear(u, v, place, absence) && !wasClear(u, v, place, absence) &&
+          unclear[i - 1] &&
           fan_.contains(fan_.turned(direction, fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>()));
       squares_[i] = is_unclear ? 1 + std::min({above_[i - 1], above_[i], squares_[i - 1]}) : 0;
       if (squares_[i] > largest.edge) largest = {squares_[i], u, v};
@@ -206,7 +225,7 @@ const std::vector<Unobserved>& Holes::find(const Fan& fan, const Absence& absenc
   found_.clear();
   for (int direction = 0; direction < fan.size(); ++direction) {
     found_.push_back(measure(direction, most_unclear));
-    findHole(direction, absence, found_.back());
+    findHole(direction, found_.back());
   }
   return found_;
 }
@@ -260,13 +279,13 @@ double Holes::beginOf(std::size_t plane, int direction) const {
 }
 
 /// The nearest hole that hides the smallest obstacle; space too near to be matched is not a hole.
-void Holes::findHole(int direction, const Absence& absence, Unobserved& found) {
+void Holes::findHole(int direction, Unobserved& found) {
   const StereoCalibration& rig = geometry_.calibration();
   found.hole_along_m = kInfinity;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     const Plane& plane = planes_[i];
     if (!places_[i].is_searched || !looks_[i * fan_.size() + direction].may_hide) continue;
-    const Square square = search(plane, places_[i], direction, absence);
+    const Square square = search(plane, places_[i], direction);
     if (square.edge < places_[i].edge) continue;
     const int edge_px = square.edge * plane.stride_px;
     found.hole_m = edge_px * plane.depth_m / std::min(rig.fx_px, rig.fy_px);

@@ -169,6 +169,12 @@ Eigen::Vector2d StereoGeometry::project(const Eigen::Vector3d& p_C) const {
           calibration_.fy_px * p_C.y() / p_C.z() + calibration_.cy_px};
 }
 
+Eigen::Matrix3d StereoGeometry::cameraMatrix() const {
+  Eigen::Matrix3d K;
+  K << calibration_.fx_px, 0.0, calibration_.cx_px, 0.0, calibration_.fy_px, calibration_.cy_px, 0.0, 0.0, 1.0;
+  return K;
+}
+
 bool StereoGeometry::contains(const Eigen::Vector2d& pixel) const {
   return pixel.x() >= 0.0 && pixel.x() <= calibration_.size_px.width - 1 && pixel.y() >= 0.0 &&
          pixel.y() <= calibration_.size_px.height - 1;

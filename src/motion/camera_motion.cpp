@@ -25,7 +25,7 @@ void CameraMotion::update(double stamp_s, const cv::Mat& left, const cv::Mat& di
                           const ScaleCorrection& correction, const std::optional<Eigen::Isometry3d>& told_W_C) {
   const bool is_gap = !(stamp_s - stamp_s_ <= kLongestGap_s);
   stamp_s_ = stamp_s;
-  if (!told_W_C && is_told_ && stamp_s - told_s_ <= kLongestGap_s) return pose_.reset();
+  if (!told_W_C && is_told_ && stamp_s - told_s_ <= kLongestGap_s) return bridge(left, disparity_px, correction);
   const bool goes_on = told_W_C.has_value() == is_told_ && !is_gap;
   is_told_ = told_W_C.has_value();
   if (is_told_) {
@@ -61,6 +61,15 @@ bool CameraMotion::isJump(const Eigen::Isometry3d& told_W_C, double since_s) con
   return (moved.translation() - share * step_.translation()).norm() > kJump_m + kJump_mps2 * squared_s2 + first_m ||
          Eigen::AngleAxisd(expected.transpose() * moved.linear()).angle() >
              kJump_rad + kJump_radps2 * squared_s2 + first_rad;
+}
+
+/// Until the next pose is told, the images tell the way from the key image on.
+void CameraMotion::bridge(const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction) {
+  pose_.reset();
+  if (std::isnan(begun_s_)) return;
+  if (const auto moved = odometry_.track(left, disparity_px, correction)) {
+    pose_ = after({told_W_K_, series_}, *moved);
+  }
 }
 
 /// The pose by the images alone. Where they lose it a new series begins.

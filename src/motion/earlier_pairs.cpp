@@ -50,7 +50,6 @@ void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& de
 
 void EarlierPairs::moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
   views_.clear();
-  vanished_ = cv::Mat();
   while (!pairs_.empty() && !(stamp_s - pairs_.front().stamp_s <= memory_s)) pairs_.pop_front();
   if (!pose) return;
   for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
@@ -64,43 +63,49 @@ void EarlierPairs::moveTo(double stamp_s, const std::optional<CameraPose>& pose,
 
 void EarlierPairs::forget() {
   views_.clear();
-  vanished_ = cv::Mat();
   pairs_.clear();
 }
 
 void EarlierPairs::look(const DisparityEvidence& matches, const cv::Mat& textured) {
   vanished_ = cv::Mat();
-  if (views_.empty()) return;
+  best_px_ = matches.best_px;
+  repeated_px_ = matches.repeated_px;
+  textured_ = textured;
+}
+
+void EarlierPairs::findVanished() const {
   const cv::Size size = geometry_.size();
   const cv::Size cells((size.width + kCell_px - 1) / kCell_px, (size.height + kCell_px - 1) / kCell_px);
   vanished_ = cv::Mat::zeros(cells, CV_8UC1);
+  if (textured_.empty()) return;
   const auto isSeen = [&](int v, int u) {
-    const bool is_matched = matches.best_px.at<float>(v, u) > 0.0f || matches.repeated_px.at<float>(v, u) > 0.0f;
-    return is_matched && textured.at<std::uint8_t>(v, u) != 0;
+    const bool is_matched = best_px_.at<float>(v, u) > 0.0f || repeated_px_.at<float>(v, u) > 0.0f;
+    return is_matched && textured_.at<std::uint8_t>(v, u) != 0;
   };
+  cv::Mat balance(cells, CV_16SC1);  // points that are seen no more, less those that are
   for (const View& view : views_) {
-    cv::Mat balance = cv::Mat::zeros(cells, CV_32SC1);  // points that are seen no more, less those that are
-    const Eigen::Isometry3f T_C_E = view.T_E_C.inverse().cast<float>();
+    balance.setTo(0);
+    const Eigen::Isometry3d T_C_E = view.T_E_C.inverse();
+    const Eigen::Matrix3f turned = (geometry_.cameraMatrix() * T_C_E.linear()).cast<float>();
+    const Eigen::Vector3f moved = (geometry_.cameraMatrix() * T_C_E.translation()).cast<float>();
     for (const Eigen::Vector3f& p_E : view.pair->surface_C) {
-      const Eigen::Vector2d at_px = geometry_.project((T_C_E * p_E).cast<double>());
-      if (!geometry_.contains(at_px)) continue;
-      const int u = static_cast<int>(std::lround(at_px.x())), v = static_cast<int>(std::lround(at_px.y()));
-      balance.at<int>(v / kCell_px, u / kCell_px) += isSeen(v, u) ? -1 : 1;
+      const Eigen::Vector3f p = turned * p_E + moved;
+      const float u = p.x() / p.z() + 0.5f, v = p.y() / p.z() + 0.5f;
+      if (!(p.z() > 0.0f && u >= 0.0f && v >= 0.0f && u < size.width && v < size.height)) continue;
+      const auto column = static_cast<int>(u), row = static_cast<int>(v);
+      balance.at<std::int16_t>(row / kCell_px, column / kCell_px) += isSeen(row, column) ? -1 : 1;
     }
     vanished_ |= balance >= kVanished;
   }
 }
 
 EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {
-  const StereoCalibration& rig = geometry_.calibration();
   Plane plane;
   plane.focal_baseline_px_m_ = static_cast<float>(geometry_.disparity(1.0));
   plane.shift_px_ = static_cast<float>(geometry_.principalPointDifference());
-  plane.focal_px_ = static_cast<float>(rig.fx_px);
-  Eigen::Matrix3d K;
-  K << rig.fx_px, 0.0, rig.cx_px, 0.0, rig.fy_px, rig.cy_px, 0.0, 0.0, 1.0;
+  plane.focal_px_ = static_cast<float>(geometry_.calibration().fx_px);
   const auto seen = [&](const View& view, int u, int v) {
-    return Eigen::Vector3d(K * (view.T_E_C * geometry_.point(u, v, depth_m)));
+    return Eigen::Vector3d(geometry_.cameraMatrix() * (view.T_E_C * geometry_.point(u, v, depth_m)));
   };
   for (const View& view : views_) {
     const double error_m = std::hypot(view.sigma_m, view.sigma_rad * depth_m);
@@ -120,15 +125,15 @@ bool EarlierPairs::Plane::wasClear(int u, int v) const {
     const Eigen::Vector3f p = view.corner + static_cast<float>(u) * view.along_u + static_cast<float>(v) * view.along_v;
     if (!(p.z() > view.error_m)) continue;
     const float at_px = focal_baseline_px_m_ / (p.z() + view.error_m);
-    const auto reach = static_cast<int>(std::lround(focal_px_ * view.error_m / p.z()));
-    const auto column = static_cast<int>(std::lround(p.x() / p.z())), row = static_cast<int>(std::lround(p.y() / p.z()));
+    const int reach = cvRound(focal_px_ * view.error_m / p.z());
+    const int column = cvRound(p.x() / p.z()), row = cvRound(p.y() / p.z());
     const auto isClear = [&](const cv::Mat& met_px, int at) {
       if (at < reach || row < reach || at >= met_px.cols - reach || row >= met_px.rows - reach) return false;
       const auto* line = met_px.ptr<float>(row);
       return line[at] < at_px && line[at - reach] < at_px && line[at + reach] < at_px &&
              met_px.at<float>(row - reach, at) < at_px && met_px.at<float>(row + reach, at) < at_px;
     };
-    const int at_right = column - static_cast<int>(std::lround(focal_baseline_px_m_ / p.z() + shift_px_));
+    const int at_right = column - cvRound(focal_baseline_px_m_ / p.z() + shift_px_);
     if ((isClear(*view.left, column) || isClear(*view.right, at_right)) && ++votes >= kVotes) return true;
   }
   return false;

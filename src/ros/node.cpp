@@ -51,6 +51,7 @@ Node::Node(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
           [this](const geometry_msgs::Vector3StampedConstPtr& goal) { goal_.put(*goal, ros::Time::now()); })),
       watchdog_(kWatchdogPeriod_s, [this] { guard(); }),
       worker_([this] { work(); }) {
+  transforms_.listenToOdometry(node);
   if (config_.core.fusion.acceleration_sigma_mps2 == 0.0) {
     ROS_WARN(
         "fusion/acceleration_sigma_mps2 is 0: the filter's gain falls as 1/k and it stops following the range. "

@@ -256,15 +256,20 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
   return T_W_C;
 }
 
-/// For the memory of earlier pairs, in the first of the usual fixed frames (REP-105) that tf had at a stamp.
+/// For the memory of earlier pairs, in the first of the usual fixed frames (REP-105) that tf had at a stamp, else by
+/// odometry.
 std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Header& header) {
-  for (const char* frame : {"odom", "map", "world"}) {
+  for (const char* frame : {"odom", "map", "world", Transforms::kOdometryFrame}) {
     if (!fixed_frame_.empty() && fixed_frame_ != frame) continue;
     const bool moves = transforms_.newestStamp(frame, header.frame_id).has_value();  // what stands in tf tells no motion
     const auto T_W_C = moves ? transforms_.find(frame, header.frame_id, header.stamp) : std::nullopt;
     if (!T_W_C) continue;
     fixed_frame_ = frame;
     return T_W_C;
+  }
+  const bool is_apart = transforms_.hasOdometry() && !transforms_.newestStamp(Transforms::kOdometryFrame, header.frame_id);
+  if (fixed_frame_.empty() && is_apart && pose_warning_.due()) {
+    ROS_WARN("odometry is not used: tf does not connect its child_frame_id with camera \"%s\"", header.frame_id.c_str());
   }
   return std::nullopt;
 }

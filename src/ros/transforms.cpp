@@ -1,6 +1,7 @@
 #include "ros/transforms.hpp"
 
 #include <ros/console.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@ namespace flight_corridor_ros {
 
 namespace {
 
+constexpr double kUnit = 0.01;          // off the norm of a unit quaternion
 constexpr std::uint32_t kQueue = 1000;  // messages; many nodes send poses at 100 Hz and more
 
 }  // namespace
@@ -34,8 +36,15 @@ Transforms::Transforms(const ros::NodeHandle& node) {
   spinner_->start();
 }
 
+void Transforms::listenToOdometry(const ros::NodeHandle& node) {
+  ros::NodeHandle listener(node);
+  listener.setCallbackQueue(&queue_);
+  odometry_ = listener.subscribe<nav_msgs::Odometry>(
+      "odom", kQueue, [this](const nav_msgs::OdometryConstPtr& message) { receive(*message); });
+}
+
 /// If the clock was set back by more than synchronised clocks differ, poses of the other time are useless.
-void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
+void Transforms::forgetWhenTimeJumpsBack() {
   const ros::Time now = ros::Time::now();
   if ((heard_ - now).toSec() > flight_corridor::kLongestDelay_s) {
     ROS_WARN("time jumped back: the poses from tf are forgotten");
@@ -43,6 +52,10 @@ void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
     heard_ = now;
   }
   heard_ = std::max(heard_, now);
+}
+
+void Transforms::receive(const tf2_msgs::TFMessage& message, bool is_static) {
+  forgetWhenTimeJumpsBack();
   for (const auto& transform : message.transforms) add(transform, is_static);
 }
 
@@ -53,6 +66,36 @@ void Transforms::add(const geometry_msgs::TransformStamped& transform, bool is_s
     ROS_WARN("tf of \"%s\" in \"%s\" is refused: its stamp, %.0f s, is impossible", transform.child_frame_id.c_str(),
              transform.header.frame_id.c_str(), transform.header.stamp.toSec());
   }
+}
+
+void Transforms::receive(const nav_msgs::Odometry& odometry) {
+  forgetWhenTimeJumpsBack();
+  add(odometry);
+}
+
+/// In tf the body may have another parent already, so the fixed frame becomes a child of the body.
+void Transforms::add(const nav_msgs::Odometry& odometry) {
+  const std::string body = withoutSlash(odometry.child_frame_id);
+  const auto& q = odometry.pose.pose.orientation;
+  const auto& p = odometry.pose.pose.position;
+  const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
+  const Eigen::Vector3d at(p.x, p.y, p.z);
+  const bool is_pose = at.allFinite() && std::abs(turn.norm() - 1.0) <= kUnit;  // not of NaN
+  if (body.empty() || !is_pose || odometry.header.stamp.isZero()) {
+    if (odometry_warning_.due()) {
+      ROS_WARN(
+          "odometry of \"%s\" is not used: it needs a stamp, a child_frame_id that tf connects with the camera, a finite "
+          "position and a unit quaternion (norm %g)",
+          body.c_str(), turn.norm());
+    }
+    return;
+  }
+  const Eigen::Isometry3d T_W_B = Eigen::Translation3d(at) * turn.normalized();
+  geometry_msgs::TransformStamped fixed = tf2::eigenToTransform(T_W_B.inverse());
+  fixed.header.stamp = odometry.header.stamp;
+  fixed.header.frame_id = body;
+  fixed.child_frame_id = kOdometryFrame;
+  add(fixed, false);
 }
 
 std::optional<Eigen::Isometry3d> Transforms::find(std::string target, std::string source, const ros::Time& stamp,

@@ -47,6 +47,7 @@ struct Outputs {
 void checkOptionalTopics(const StereoBagReader& bag, const ReplayInput& input) {
   if (!input.topics.range.empty() && input.topics.range != "none") bag.requireRanges();
   if (!input.topics.imu.empty()) bag.requireImu();
+  if (!input.topics.odom.empty()) bag.requireOdometry();
   if (!bag.hasRanges()) std::cerr << "replay: " << input.bag << ": no ranges: stereo alone\n";
 }
 
@@ -237,9 +238,9 @@ int main(int argc, char** argv) {
       "The node's pipeline without a master: the same bag gives the same table, times aside.\n"
       "Images are taken for raw, and rectified, where their CameraInfo or the calibration has distortion or a "
       "rotation\n"
-      "and no word of their topic's name begins with \"rect\". Where an imu is not named, it is used when it is the "
-      "only\n"
-      "one. --calib takes\n" +
+      "and no word of their topic's name begins with \"rect\". Where imu and odometry are not named, each is used "
+      "when\n"
+      "it is the only one. --calib takes\n" +
       calibrationKinds());
   flight_corridor_ros::keepFreedMemory();
   return runTool(app, argc, argv, [&] { lists ? list(input) : replay(input, outputs); });

@@ -57,6 +57,7 @@ void addOptions(CLI::App& app, ReplayInput& input) {
   app.add_option("--range", input.topics.range, "LiDAR (sensor_msgs/Range), or none; optional unless named")
       ->type_name("TOPIC");
   app.add_option("--imu", input.topics.imu, "imu (sensor_msgs/Imu); optional unless named")->type_name("TOPIC");
+  app.add_option("--odom", input.topics.odom, "odometry (nav_msgs/Odometry); optional unless named")->type_name("TOPIC");
   CLI::Option* calib = app.add_option("--calib", input.reading.calibration_files,
                                       "calibration in place of CameraInfos; if each camera has a file:\nleft first")
                            ->type_name("FILE")
@@ -101,6 +102,7 @@ PairStamps Replayer::run(const std::function<void(const Answer& answer)>& on_ans
   };
   listener.on_range = [&](const sensor_msgs::RangeConstPtr& range) { inbox_.put(range); };
   listener.on_imu = [&](const sensor_msgs::ImuConstPtr& imu) { inbox_.put(imu); };
+  listener.on_odometry = [&](const nav_msgs::Odometry& odometry) { transforms_.add(odometry); };
   listener.on_transform = [&](const geometry_msgs::TransformStamped& transform, bool is_static) {
     transforms_.add(transform, is_static);
   };

@@ -25,7 +25,7 @@ flight_corridor_ros::NodeConfig readConfig(const std::string& yaml_path, const s
 struct ReplayInput {
   std::string bag, config;
   std::vector<std::string> overrides;
-  StereoTopics topics{"", "", "", "", "", ""};  ///< To be found where the command line does not name them.
+  StereoTopics topics{"", "", "", "", "", "", ""};  ///< To be found where the command line does not name them.
   BagReading reading;
 };
 

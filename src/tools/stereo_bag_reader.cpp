@@ -4,6 +4,7 @@
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/sync_policies/exact_time.h>
 #include <message_filters/synchronizer.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -199,6 +200,7 @@ StereoBagReader::StereoBagReader(const std::string& path, const StereoTopics& to
   if (!has_files) requireTopic(found.right_info, typeOf<CameraInfo>());
   if (hasRanges()) requireRanges();
   if (has(topics_.imu)) requireImu();
+  if (has(topics_.odom)) requireOdometry();
   if (has_files) {
     topics_.left_info = topics_.right_info = "";  // nothing is read of them
     readCalibrationFiles();
@@ -248,7 +250,8 @@ std::string StereoBagReader::describe() const {
   }
   return "left " + topics_.left + ", right " + topics_.right +
          (rectification_.is_raw ? ": raw, rectified by " : ": rectified already, calibration of ") + calibration +
-         "; range " + orNone(topics_.range) + "; imu " + orNone(topics_.imu) + "\n" + calibration_;
+         "; range " + orNone(topics_.range) + "; imu " + orNone(topics_.imu) + "; odom " + orNone(topics_.odom) + "\n" +
+         calibration_;
 }
 
 bool StereoBagReader::has(const std::string& topic) const { return typesByTopic(bag_).count(topic) > 0; }
@@ -300,7 +303,8 @@ void StereoBagReader::forEach(const std::vector<std::string>& topics, const OnMe
   for (const rosbag::MessageInstance& message : view) {
     const ros::Time stamp = read<Beginning>(bag_, message)->header.stamp;
     if (!stamp.isZero() && flight_corridor_ros::isPossible(stamp)) before = stamp;
-    const bool is_reading = message.getTopic() == topics_.range || message.getTopic() == topics_.imu;
+    const std::string topic = message.getTopic();
+    const bool is_reading = topic == topics_.range || topic == topics_.imu || topic == topics_.odom;
     messages.emplace(std::pair(before, !is_reading), message);
   }
   for (const auto& [place, message] : messages) on_message(message, place.first);
@@ -325,6 +329,8 @@ void StereoBagReader::requireRanges() const { requireTopic(topics_.range, typeOf
 
 void StereoBagReader::requireImu() const { requireTopic(topics_.imu, typeOf<sensor_msgs::Imu>()); }
 
+void StereoBagReader::requireOdometry() const { requireTopic(topics_.odom, typeOf<nav_msgs::Odometry>()); }
+
 /// Of the LiDAR, given by hand.
 geometry_msgs::TransformStamped StereoBagReader::mounting() const {
   geometry_msgs::TransformStamped mounting = tf2::eigenToTransform(opticalFromForward() * *reading_.T_F_L);
@@ -340,8 +346,8 @@ PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration&
                                       const Listener& listener) const {
   PairBuilder<Policy> builder(bag_, topics_, rectification_, policy, listener.on_pair);
   if (reading_.T_F_L) listener.on_transform(mounting(), true);
-  const std::vector<std::string> wanted{topics_.left,       topics_.left_info, topics_.right,
-                                        topics_.right_info, topics_.range,     topics_.imu};
+  const std::vector<std::string> wanted{topics_.left,  topics_.left_info, topics_.right, topics_.right_info,
+                                        topics_.range, topics_.imu,       topics_.odom};
   auto next = transforms_.begin();
   forEach(wanted, [&](const rosbag::MessageInstance& message, const ros::Time& recorded) {
     for (; next != transforms_.end() && next->recorded <= recorded + tf_timeout; ++next) {
@@ -353,6 +359,8 @@ PairStamps StereoBagReader::playPairs(const Policy& policy, const ros::Duration&
       listener.on_range(range);
     } else if (message.getTopic() == topics_.imu) {
       listener.on_imu(read<sensor_msgs::Imu>(bag_, message));
+    } else if (message.getTopic() == topics_.odom) {
+      listener.on_odometry(*read<nav_msgs::Odometry>(bag_, message));
     } else {
       builder.add(message, recorded);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
+#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
@@ -62,11 +63,13 @@ class StereoBagReader {
   void requireRanges() const;
   /// @throws std::runtime_error like the constructor if there is none: it is optional.
   void requireImu() const;
+  void requireOdometry() const;
 
   struct Listener {
     std::function<void(const RecordedPair& pair)> on_pair;
     std::function<void(const sensor_msgs::RangeConstPtr& range)> on_range;
     std::function<void(const sensor_msgs::ImuConstPtr& imu)> on_imu = [](const auto&) {};
+    std::function<void(const nav_msgs::Odometry& odometry)> on_odometry = [](const auto&) {};
     std::function<void(const geometry_msgs::TransformStamped& transform, bool is_static)> on_transform = [](const auto&,
                                                                                                             bool) {};
   };

@@ -12,6 +12,7 @@ struct StereoTopics {
   std::string right_info = "/stereo/right/camera_info";
   std::string range = "/range";
   std::string imu = "/imu";
+  std::string odom = "/odom";
 };
 
 constexpr char kTransformTopic[] = "/tf";

@@ -208,6 +208,7 @@ StereoTopics findTopics(const rosbag::Bag& bag, StereoTopics topics, bool needs_
   }
   if (topics.range == kNone) topics.range = "";
   if (topics.imu.empty()) topics.imu = findOne(types, "sensor_msgs/Imu", kUsual.imu);
+  if (topics.odom.empty()) topics.odom = findOne(types, "nav_msgs/Odometry", kUsual.odom);
   return topics;
 }
 

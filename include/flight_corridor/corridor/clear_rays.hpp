@@ -30,6 +30,10 @@ class ClearRays {
   void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
                          const ScaleCorrection& correction, const Eigen::Vector3d& met_C);
 
+  /// Leaves what a match or the LiDAR shows: runs that only their ends clear are not clear any more. A thing as plain as
+  /// what is behind it has no end, so such a run is no evidence for later.
+  void keepSeen();
+
   /// Up to which disparity each pixel's ray is clear, corrected, with noise, CV_32FC1; +inf: not clear. Whoever keeps
   /// one may put another image of that size in its place before the next look().
   cv::Mat& metLeft() { return met_left_px_; }
@@ -51,6 +55,7 @@ class ClearRays {
   StereoGeometry geometry_;
   double first_px_;  // smallest disparity searched
   cv::Mat closed_, region_;  // of the beam's surface
+  cv::Mat inferred_;         // CV_8UC1: runs that only their ends clear
   cv::Mat met_left_px_,
       met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, with noise; +inf: not clear
 };

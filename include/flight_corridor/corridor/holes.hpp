@@ -73,6 +73,7 @@ class Holes {
     int shift_px = 0;          // from a left pixel to the right one
     bool is_searched = false;  // not too near to be matched
     EarlierPairs::Plane earlier;  // as earlier pairs saw it
+    cv::Mat unclear;           // CV_8UC1, strided: no ray shows that it is clear
     int edge = 1;              // of a square that hides the smallest obstacle, in strides
   };
   /// Counts of a plane's pixels in one box.
@@ -91,16 +92,17 @@ class Holes {
   /// Of pixels that both cameras see.
   static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
   static bool wasClear(int u, int v, const Place& place, const Absence& absence);
-  void findUnclear(const Plane& plane, const Place& place, const Absence& absence);
+  void askEarlier(const Plane& plane, Place& place, const Absence& absence);
+  void findUnclear(const Plane& plane, Place& place, const Absence& absence);
   Look look(const Plane& plane, const Section& section, const Place& place) const;
-  Square search(const Plane& plane, const Place& place, int direction, const Absence& absence);
+  Square search(const Plane& plane, const Place& place, int direction);
   /// A box's volume in a plane's slice.
   struct Volume;
   Volume volume(std::size_t plane, int direction) const;
   Unobserved measure(int direction, double most_unclear) const;
   double unclearFrom(int direction, double limit_m3) const;
   double beginOf(std::size_t plane, int direction) const;
-  void findHole(int direction, const Absence& absence, Unobserved& found);
+  void findHole(int direction, Unobserved& found);
 
   StereoGeometry geometry_;
   Fan fan_{Box()};
@@ -108,7 +110,7 @@ class Holes {
   std::vector<Plane> planes_;                          // of fan_, the nearest first
   std::vector<Place> places_;                          // a plane
   std::vector<Look> looks_;                            // a plane and direction
-  cv::Mat unclear_, hides_, in_squares_, unclear_sum_, hides_sum_;  // of the current plane, strided
+  cv::Mat hides_, in_squares_, unclear_sum_, hides_sum_;  // of the current plane, strided
   std::vector<int> squares_, above_;  // edges of the squares that end at each column, in this row and in the one above
   std::vector<Unobserved> found_;
 };

@@ -76,6 +76,9 @@ class StereoGeometry {
   /// Pixel of a point in C; NaN unless the point lies in front of the camera.
   Eigen::Vector2d project(const Eigen::Vector3d& p_C) const;
 
+  /// Maps a point in C to its homogeneous pixel in the left image.
+  Eigen::Matrix3d cameraMatrix() const;
+
   /// Whether pixel (u, v) lies on the image.
   bool contains(const Eigen::Vector2d& pixel) const;
 

@@ -37,7 +37,7 @@ class CameraMotion {
   /// A pair, not older than the last.
   /// @param left CV_8UC1.  @param disparity_px its matches, CV_32FC1 [px], NaN = no match.  @param correction of these.
   /// @param told_W_C pose in a fixed frame by others; absent: unknown.
-  /// Told poses may be missing for up to a second: there is no pose then.
+  /// Told poses may be missing for up to a second: the images tell what lies between.
   void update(double stamp_s, const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction,
               const std::optional<Eigen::Isometry3d>& told_W_C);
 
@@ -47,6 +47,7 @@ class CameraMotion {
   const MotionWitness& witness() const { return witness_; }
 
  private:
+  void bridge(const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction);
   void follow(const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction);
   void compare(const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction);
   void setKey(const cv::Mat& disparity_px, const ScaleCorrection& correction, const CameraPose& at);

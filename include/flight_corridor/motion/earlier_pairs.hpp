@@ -34,12 +34,14 @@ class EarlierPairs {
   /// Forgets all.
   void forget();
 
-  /// Compares the newest pair's matches with the surfaces that the earlier pairs saw.
-  /// @param matches of the newest pair.  @param textured CV_8UC1: where they are no chance.
+  /// The newest pair's matches, with which the surfaces that the earlier pairs saw are compared; they must stay as they
+  /// are as long as hasVanished() is asked.
+  /// @param textured CV_8UC1: where they are no chance.
   void look(const DisparityEvidence& matches, const cv::Mat& textured);
-  /// Whether a surface that was seen at a pixel of the newest pair is seen no more.
+  /// Whether a surface that was seen at a pixel of the newest pair is seen no more. The first call compares.
   bool hasVanished(int u, int v) const {
-    return !vanished_.empty() && vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
+    if (vanished_.empty()) findVanished();
+    return vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
   }
 
   /// A plane of the camera at a depth, as earlier pairs see it.
@@ -61,6 +63,8 @@ class EarlierPairs {
   Plane plane(double depth_m) const;
 
  private:
+  void findVanished() const;
+
   struct Pair {
     double stamp_s;
     CameraPose pose;
@@ -76,7 +80,8 @@ class EarlierPairs {
   static constexpr int kCell_px = 16;  // squares in which a surface is seen, or not
 
   StereoGeometry geometry_;
-  cv::Mat vanished_;  // a square
+  mutable cv::Mat vanished_;  // a square; empty: not compared yet
+  cv::Mat best_px_, repeated_px_, textured_;  // of the newest pair
   std::deque<Pair> pairs_;  // the oldest first
   std::vector<View> views_;  // the newest first
 };
