@@ -1,6 +1,7 @@
 #include <flight_corridor/CorridorState.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <octomap_msgs/Octomap.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Log.h>
@@ -173,6 +174,25 @@ TEST_F(NodeInputs, ABlankViewIsNoDisparity) {
   inputs.range.range = std::numeric_limits<float>::infinity();  // nothing in range
   for (auto* image : {&inputs.left, &inputs.right}) std::fill((*image)->data.begin(), (*image)->data.end(), 128);
   EXPECT_TRUE(refuses(inputs, CorridorState::NO_DISPARITY));
+}
+
+TEST_F(NodeInputs, OdometryTellsTheMotionThatABlankViewDoesNot) {
+  Inputs inputs;
+  for (auto* image : {&inputs.left, &inputs.right}) std::fill((*image)->data.begin(), (*image)->data.end(), 128);
+  const auto motion = [](bool is_known) {
+    return [is_known](const CorridorState& verdict) { return !(verdict.reasons & CorridorState::NO_MOTION) == is_known; };
+  };
+  EXPECT_TRUE(answers(inputs, motion(false)));
+  ros::Publisher publisher = node_.advertise<nav_msgs::Odometry>("odom", 10);
+  const ros::Timer sending = node_.createTimer(ros::Duration(0.01), [&](const ros::TimerEvent&) {
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = ros::Time::now();
+    odometry.header.frame_id = "odom";
+    odometry.child_frame_id = "left_optical";
+    odometry.pose.pose.orientation.w = 1.0;
+    publisher.publish(odometry);
+  });
+  EXPECT_TRUE(answers(inputs, motion(true), 0.05));
 }
 
 TEST_F(NodeInputs, OldPairsAreNoDataAndShowNoBox) {
