@@ -86,6 +86,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       rectification_(geometry),
       motion_(geometry),
       earlier_(geometry),
+      earlier_matches_(geometry),
       obstacles_(config.map) {
   requireSight(config.corridor, geometry, disparity_estimator_.nearestDepth());
   disparity_estimator_.setCovered(covered_);
@@ -98,6 +99,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   if (const std::uint32_t reasons = faults(frame, T_W_C)) return refuse(reasons);
   const Stopwatch total(report_.times.total_ms);
   newest_stamp_s_ = frame.stamp_s;
+  rememberMatches();
   image_faults_ = images_.faults(frame);
   T_M_C_ = config_.map.frame_id.empty() ? Eigen::Isometry3d::Identity() : *T_W_C;
   {
@@ -152,6 +154,12 @@ void Pipeline::trackRange() {
   static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
+/// The last pair's matches become an earlier one's, before this pair overwrites them.
+void Pipeline::rememberMatches() {
+  if (!std::exchange(matches_, false) || !motion_.pose() || config_.corridor.memory_s <= 0.0) return;
+  earlier_matches_.add(judged_s_, *motion_.pose(), disparity_);
+}
+
 /// The last pair becomes an earlier one, if its free space is trusted.
 void Pipeline::remember() {
   const bool clears = std::exchange(clears_, false);
@@ -170,11 +178,13 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
     series_ = pose->series;
   }
   earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
+  earlier_matches_.moveTo(stamp_s, pose, config_.corridor.memory_s);
 }
 
 /// The frame of the camera's motion and that of the map differ by a rotation, at least: the box around the box.
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   earlier_.forget();
+  earlier_matches_.forget();
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
   Eigen::AlignedBox3d box_V;
@@ -216,7 +226,7 @@ double Pipeline::nearestDepth() const {
 }
 
 PairEvidence Pipeline::evidence() const {
-  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, scale(),
+  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, earlier_matches_, scale(),
           disparity_estimator_.nearestDepth()};
 }
 
@@ -250,6 +260,7 @@ void Pipeline::decide() {
   const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
   if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   report_.clears = clears_ = isTrusted();
+  matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;
   updateObstacles();
   judged_s_ = verdict.stamp_s;
 }

@@ -27,6 +27,8 @@ constexpr int kInTheBox_px = 10;  // at 2.1 m
 const cv::Point kMiddle(160, 120);
 
 /// A wall behind the box of which everything is certain.
+const EarlierMatches kNoEarlier(kSmallGeometry);
+
 DisparityEvidence certainWall() { return test_support::uniformEvidence(kSmallGeometry.size(), kWall_px); }
 
 /// Where a set has a disparity.
@@ -45,7 +47,7 @@ void addToSet(const cv::Rect& pixels, int disparity_px, DisparityEvidence& evide
 bool isIn(const DisparityEvidence& evidence, const ScaleCorrection& correction, double lidar_px, const Box& box,
           double from_m = kBlind_m) {
   Doubt doubt(kSmallGeometry);
-  doubt.find(box, from_m, evidence, correction, {{true, lidar_px}}, kSmallest_m, workers);
+  doubt.find(box, from_m, evidence, kNoEarlier, correction, {{true, lidar_px}}, kSmallest_m, workers);
   return doubt.isIn(0);
 }
 
@@ -70,6 +72,23 @@ TEST(Doubt, APatchThatFitsInTheBoxAsWellIsDoubtASmallerOneIsNot) {
   patch.width -= 1;
   addToSet(patch, kInTheBox_px, evidence);
   EXPECT_FALSE(isIn(evidence));
+}
+
+TEST(Doubt, WhatNoEarlierPairConfirmsIsNone) {
+  CameraPose pose;
+  pose.series = 1;
+  for (const bool is_seen_twice : {true, false}) {
+    DisparityEvidence evidence = certainWall(), before = certainWall();
+    addToSet(smallest(), kInTheBox_px, evidence);
+    if (is_seen_twice) addToSet(smallest(), kInTheBox_px, before);
+    EarlierMatches earlier(kSmallGeometry);
+    earlier.add(1.0, pose, before);
+    earlier.moveTo(1.2, pose, 1.5);
+    Doubt doubt(kSmallGeometry);
+    doubt.find(kCorridor, kBlind_m, evidence, earlier, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m,
+               workers);
+    EXPECT_EQ(doubt.isIn(0), is_seen_twice);
+  }
 }
 
 TEST(Doubt, PixelsOfDifferentDisparitiesOrApartAreNoPatch) {
@@ -187,7 +206,7 @@ TEST(Doubt, OfADirectionThatIsNotAskedNothingIsKnown) {
   repeat({kMiddle, cv::Size(20, 20)}, kInTheBox_px - 1, evidence);
   Doubt doubt(kSmallGeometry);
   const ScaleCorrection correction((ScaleConfig()));
-  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, correction, {{true}, {false}}, kSmallest_m, workers);
+  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, kNoEarlier, correction, {{true}, {false}}, kSmallest_m, workers);
   EXPECT_TRUE(doubt.isIn(0));
   EXPECT_FALSE(doubt.isIn(1));
 }
@@ -201,7 +220,7 @@ TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
   const ScaleCorrection correction((ScaleConfig()));
   Doubt doubt(kSmallGeometry);
   for (int run = 0; run < 2; ++run) {  // the first leaves nothing behind
-    doubt.find(fan, kBlind_m, evidence, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m, workers);
+    doubt.find(fan, kBlind_m, evidence, kNoEarlier, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m, workers);
     for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
   }
   EXPECT_TRUE(doubt.isIn(7)) << "straight ahead";
@@ -219,7 +238,7 @@ TEST(Doubt, BeforeBoxesThatBeginFartherAwayACompetitorMayStandBehindTheBlindDist
   evidence.competitor_nearest(patch).setTo(placeOf(25));  // 0.84 m
   const Fan fan(box, {-0.02, 0.0, 0.02}, {0.0});
   Doubt doubt(kSmallGeometry);
-  doubt.find(fan, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3), kSmallest_m,
+  doubt.find(fan, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3), kSmallest_m,
              workers);
   EXPECT_TRUE(doubt.isIn(1));
   for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
@@ -229,7 +248,7 @@ TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
   Doubt doubt(kSmallGeometry);
-  doubt.find(kCorridor, kBlind_m, evidence, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m, workers);
+  doubt.find(kCorridor, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m, workers);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
 }

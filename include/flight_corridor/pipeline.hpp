@@ -15,6 +15,7 @@
 #include "flight_corridor/map/obstacle_memory.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/motion/camera_motion.hpp"
+#include "flight_corridor/motion/earlier_matches.hpp"
 #include "flight_corridor/motion/earlier_pairs.hpp"
 #include "flight_corridor/range/range_tracker.hpp"
 #include "flight_corridor/stereo/disparity_estimator.hpp"
@@ -150,6 +151,7 @@ class Pipeline {
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
   void trackRange();
+  void rememberMatches();
   void remember();
   void followMotion(const std::optional<Eigen::Isometry3d>& told_W_C);
   void clearMemory(const Eigen::AlignedBox3d& box_M);
@@ -187,10 +189,12 @@ class Pipeline {
   RectificationWatch rectification_;
   CameraMotion motion_;
   EarlierPairs earlier_;
+  EarlierMatches earlier_matches_;
   ObstacleMemory obstacles_;  // in the frame of motion_'s present series
   int series_ = 0;
-  bool clears_ = false;    // the free space of the last pair that was judged
-  double judged_s_ = kNaN;  // ... and its stamp
+  bool clears_ = false;     // the free space of the last pair that was judged is trusted
+  bool matches_ = false;    // ... and so are its matches
+  double judged_s_ = kNaN;  // ... its stamp
   std::uint32_t image_faults_ = 0;  // of the last pair
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;

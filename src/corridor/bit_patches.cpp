@@ -21,7 +21,8 @@ const std::vector<BitPatches::Run>& BitPatches::find(const BitImage& image, doub
     sizes_[rootOf(parents_, static_cast<int>(i))] += runs_[i].end_u - runs_[i].first_u;
   }
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    if (sizes_[rootOf(parents_, static_cast<int>(i))] >= smallest_px) found_.push_back(runs_[i]);
+    const int patch = rootOf(parents_, static_cast<int>(i));
+    if (sizes_[patch] >= smallest_px) found_.push_back({runs_[i].v, runs_[i].first_u, runs_[i].end_u, patch});
   }
   return found_;
 }

@@ -36,7 +36,7 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     evidence.is_ambiguous = is_open && railings_.mayBeIn(fan.box(i), lidar_px[i]);
     questions_.push_back({is_open, lidar_px[i]});
   }
-  doubt_.find(fan, config.blind_m, pair.disparity, pair.correction, questions_, smallest_m, workers);
+  doubt_.find(fan, config.blind_m, pair.disparity, pair.earlier_matches, pair.correction, questions_, smallest_m, workers);
   for (int i = 0; i < fan.size(); ++i) evidence_[i].is_ambiguous |= doubt_.isIn(i);
   return evidence_;
 }

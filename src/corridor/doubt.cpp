@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <map>
 
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
@@ -42,9 +44,12 @@ Doubt::Doubt(const StereoGeometry& geometry)
 
 /// A patch in a direction's box is a part of one of all pixels that may be in any box: where none of these is large
 /// enough, no direction is looked into.
-void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-                 const std::vector<Question>& questions, double smallest_m, BandWorkers& workers) {
+void Doubt::find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const EarlierMatches& earlier,
+                 const ScaleCorrection& correction, const std::vector<Question>& questions, double smallest_m,
+                 BandWorkers& workers) {
   const double smallest_m2 = smallest_m * smallest_m;
+  earlier_ = &earlier;
+  correction_ = &correction;
   prepare(fan, from_m, evidence, correction, questions);
   findViews();
   const auto inBands = [&](int begin, int end, const auto& visit) {
@@ -264,10 +269,13 @@ void Doubt::checkDisparity(int d, double smallest_m2, Scratch& scratch) const {
       });
     }
   }
-  for (Scratch::Box& box : scratch.boxes) box.is_undecided = box.is_undecided && !holdsPatch(box, smallest_px, scratch);
+  for (Scratch::Box& box : scratch.boxes) {
+    box.is_undecided = box.is_undecided && !holdsPatch(box, d, smallest_px, scratch);
+  }
 }
 
-bool Doubt::holdsPatch(const Scratch::Box& box, double smallest_px, Scratch& scratch) const {
+/// Whether pixels that may be in a box form such a patch, which no earlier pair refutes.
+bool Doubt::holdsPatch(const Scratch::Box& box, int d, double smallest_px, Scratch& scratch) const {
   if (box.pixels == 0 || box.pixels < smallest_px) return false;
   const int words = wordsOf(geometry_.size().width), first_v = box.runs.front().v;
   const int rows = box.runs.back().v - first_v + 1;
@@ -277,7 +285,22 @@ bool Doubt::holdsPatch(const Scratch::Box& box, double smallest_px, Scratch& scr
       scratch.box_bits[(run.v - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
     }
   }
-  return !scratch.patches.find({scratch.box_bits.data(), words, rows, words}, smallest_px).empty();
+  const auto& runs = scratch.patches.find({scratch.box_bits.data(), words, rows, words}, smallest_px);
+  if (earlier_->empty()) return !runs.empty();
+  std::map<int, std::vector<cv::Point>> patches;
+  for (const BitPatches::Run& run : runs) {
+    for (int u = run.first_u; u < run.end_u; ++u) patches[run.patch].emplace_back(u, first_v + run.v);
+  }
+  return std::any_of(patches.begin(), patches.end(), [&](const auto& patch) { return !isRefuted(patch.second, d); });
+}
+
+/// Of a bracketed pixel no place is known.
+bool Doubt::isRefuted(const std::vector<cv::Point>& patch, int d) const {
+  const int width = geometry_.size().width;
+  std::vector<cv::Point> placed;
+  std::copy_if(patch.begin(), patch.end(), std::back_inserter(placed),
+               [&](const cv::Point& at) { return isAlternative(pixel(at.y * width + at.x), d); });
+  return 2 * placed.size() > patch.size() && earlier_->refute(placed, corrected_px_[d], *correction_);
 }
 
 /// Whether repeated matches of one surface, to a pixel, cover most of the smallest obstacle; they need not touch.

@@ -9,6 +9,7 @@ namespace {
 // From one step of a told pose to the next it changes by no more, or it has jumped: a loop was closed, a filter reset.
 constexpr double kJump_m = 0.1, kJump_mps2 = 30.0, kJump_rad = 0.1, kJump_radps2 = 20.0;
 constexpr double kFastest_mps = 20.0, kFastest_radps = 5.0;  // as long as no step is known
+constexpr double kPose_m = 0.01, kPose_rad = 0.005;  // one sigma of a told motion between pairs
 constexpr double kLongestGap_s = 1.0;  // between pairs: what the images show then is another view
 constexpr double kLookEvery_s = 0.15;  // told motion is compared with the images now and then
 constexpr double kWay_s = 1.0, kLongestWay_s = 5.0;  // that is compared
@@ -20,6 +21,18 @@ CameraPose after(const CameraPose& key, const RelativePose& moved) {
 }
 
 }  // namespace
+
+std::optional<RelativePose> motionBetween(const CameraPose& earlier, const CameraPose& later) {
+  if (earlier.series != later.series) return std::nullopt;
+  const auto sigma = [](double told, const PoseVariance& from, const PoseVariance& to) {
+    return std::hypot(told, std::sqrt(varianceBetween(from, to)));
+  };
+  const RelativePose motion{earlier.T_M_C.inverse() * later.T_M_C,
+                            sigma(kPose_m, earlier.translation, later.translation),
+                            sigma(kPose_rad, earlier.rotation, later.rotation)};
+  if (!(motion.sigma_m <= kMostError_m) || !std::isfinite(motion.sigma_rad)) return std::nullopt;
+  return motion;
+}
 
 void CameraMotion::update(double stamp_s, const cv::Mat& left, const cv::Mat& disparity_px,
                           const ScaleCorrection& correction, const std::optional<Eigen::Isometry3d>& told_W_C) {

@@ -19,6 +19,7 @@ class BitPatches {
   /// Set bits side by side.
   struct Run {
     int v, first_u, end_u;
+    int patch = 0;  ///< Alike in all runs of a patch.
   };
 
   /// @return the runs of all patches of so many bits or more, row by row; valid until the next call.

@@ -21,6 +21,7 @@ struct PairEvidence {
   const cv::Mat& textured;  ///< CV_8UC1, see Texture.
   const ClearRays& rays;
   const EarlierPairs& earlier;  ///< What earlier pairs saw clear, from where the camera is now.
+  const EarlierMatches& earlier_matches;  ///< What earlier pairs did not contradict, likewise.
   const ScaleCorrection& correction;
   double nearest_m;  ///< Nothing nearer is matched; not corrected.
 };

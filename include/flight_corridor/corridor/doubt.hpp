@@ -9,6 +9,7 @@
 #include "flight_corridor/corridor/bit_patches.hpp"
 #include "flight_corridor/geometry/fan.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/motion/earlier_matches.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
 #include "flight_corridor/types.hpp"
@@ -30,11 +31,13 @@ class Doubt {
   explicit Doubt(const StereoGeometry& geometry);
 
   /// @param from_m depth from which on the boxes count [m].  @param evidence of the pair.
-  /// @param correction of its disparities.  @param questions a direction.
+  /// @param earlier pairs, as seen from now: what does not fit in them is no doubt.
+  /// @param correction of the disparities.  @param questions a direction.
   /// @param workers of the caller, not at work: they do not nest.
   /// @param smallest_m edge of a square [m]: a patch of its area is doubt enough.
-  void find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const ScaleCorrection& correction,
-            const std::vector<Question>& questions, double smallest_m, BandWorkers& workers);
+  void find(const Fan& fan, double from_m, const DisparityEvidence& evidence, const EarlierMatches& earlier,
+            const ScaleCorrection& correction, const std::vector<Question>& questions, double smallest_m,
+            BandWorkers& workers);
 
   /// Whether there was any in a direction's box.
   bool isIn(int direction) const { return directions_[direction].is_doubtful; }
@@ -94,12 +97,15 @@ class Doubt {
   std::ptrdiff_t begin(int v, int d) const;
   void mark(int d, int at);
   static bool holdsRepeated(const Direction& direction, double smallest_m2);
-  bool holdsPatch(const Scratch::Box& box, double smallest_px, Scratch& scratch) const;
+  bool holdsPatch(const Scratch::Box& box, int d, double smallest_px, Scratch& scratch) const;
+  bool isRefuted(const std::vector<cv::Point>& patch, int d) const;
 
   StereoGeometry geometry_;
   double first_px_;
   Fan fan_{Box()};
   DisparityEvidence evidence_;
+  const EarlierMatches* earlier_ = nullptr;        // of the present call
+  const ScaleCorrection* correction_ = nullptr;  // likewise
   double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
   bool is_camera_inside_ = false;        // all boxes: its rays enter none behind from_m
   std::vector<double> corrected_px_;     // a disparity

@@ -28,6 +28,12 @@ struct CameraPose {
   PoseVariance rotation = {};     ///< [rad^2]
 };
 
+constexpr double kMostError_m = 0.03;  ///< One sigma: places and motions that are less certain are not compared.
+
+/// From an earlier pose to a later one, for comparing what was seen from both; nullopt: they are of different series, or
+/// less certain than kMostError_m.
+std::optional<RelativePose> motionBetween(const CameraPose& earlier, const CameraPose& later);
+
 /// Where the camera is, for comparing pairs: by poses that are told, else by its images; and whether the two agree. One
 /// object, one thread.
 class CameraMotion {

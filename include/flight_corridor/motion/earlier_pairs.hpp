@@ -1,12 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <deque>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
-#include "flight_corridor/motion/camera_motion.hpp"
+#include "flight_corridor/motion/pair_ring.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
 
 namespace flight_corridor {
@@ -18,7 +17,7 @@ namespace flight_corridor {
 /// a time.
 class EarlierPairs {
  public:
-  explicit EarlierPairs(const StereoGeometry& geometry) : geometry_(geometry) {}
+  explicit EarlierPairs(const StereoGeometry& geometry);
 
   /// A pair's rays: where they are clear, by disparity, see ClearRays. They are exchanged for buffers of an older pair.
   /// @param depth_m of its matches, CV_32FC1 [m], NaN = no match.  @param textured CV_8UC1: where they are no chance.
@@ -65,25 +64,19 @@ class EarlierPairs {
  private:
   void findVanished() const;
 
-  struct Pair {
-    double stamp_s;
-    CameraPose pose;
+  struct Kept {  // of a pair
     cv::Mat met_left_px, met_right_px;
     std::vector<Eigen::Vector3f> surface_C;  // some of its matches
   };
-  struct View {  // a pair as seen from now
-    const Pair* pair;
-    Eigen::Isometry3d T_E_C;
-    double sigma_m, sigma_rad;
-  };
+  using Ring = PairRing<Kept>;
 
   static constexpr int kCell_px = 16;  // squares in which a surface is seen, or not
 
   StereoGeometry geometry_;
   mutable cv::Mat vanished_;  // a square; empty: not compared yet
   cv::Mat best_px_, repeated_px_, textured_;  // of the newest pair
-  std::deque<Pair> pairs_;  // the oldest first
-  std::vector<View> views_;  // the newest first
+  Ring pairs_;
+  std::vector<Ring::View> views_;  // the newest first
 };
 
 }  // namespace flight_corridor

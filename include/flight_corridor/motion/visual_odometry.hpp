@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -15,6 +16,9 @@ struct RelativePose {
   Eigen::Isometry3d T_K_C = Eigen::Isometry3d::Identity();  ///< Camera now, C, in the camera of then, K.
   double sigma_m = 0.0;                                      ///< Of the translation, along its worst direction.
   double sigma_rad = 0.0;                                    ///< Of the rotation, about its worst axis.
+
+  /// One sigma of where a point at a depth is [m].
+  double error(double depth_m) const { return std::hypot(sigma_m, sigma_rad * depth_m); }
 };
 
 /// The camera's motion by its images: corners of an earlier left image, the key image, with their matched depths, are

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <opencv2/core/types.hpp>
+#include <optional>
+#include <vector>
+
+#include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/motion/pair_ring.hpp"
+#include "flight_corridor/range/scale_correction.hpp"
+#include "flight_corridor/stereo/disparity_evidence.hpp"
+
+namespace flight_corridor {
+
+/// The disparities that earlier pairs did not contradict. What stands at a place fits there in every pair that shows it;
+/// what fits in one by chance, of a pattern or of noise, hardly does in another. One object, one caller at a time.
+class EarlierMatches {
+ public:
+  explicit EarlierMatches(const StereoGeometry& geometry);
+
+  /// A pair's evidence; it is exchanged for buffers of an older pair.
+  void add(double stamp_s, const CameraPose& pose, DisparityEvidence& matches);
+
+  /// From now on places are asked about as seen from this pose.
+  /// @param memory_s older pairs are forgotten.
+  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s);
+
+  void forget();
+  bool empty() const { return views_.empty(); }
+
+  /// Whether an earlier pair shows that a patch of the newest one stands nowhere near a disparity: wherever the motion's
+  /// error may move it, fewer than half of its pixels fit.
+  /// @param patch pixels, not none.  @param at_px their disparity, corrected.  @param correction of all pairs.
+  bool refute(const std::vector<cv::Point>& patch, double at_px, const ScaleCorrection& correction) const;
+
+ private:
+  using Ring = PairRing<DisparityEvidence>;
+  struct Place {
+    cv::Point pixel;
+    double first_px, last_px;  // disparities that fit, as matched
+  };
+
+  bool refute(const Ring::View& view, const std::vector<cv::Point>& patch, double depth_m,
+              const ScaleCorrection& correction) const;
+  bool fits(const DisparityEvidence& matches, const Place& place, const cv::Point& moved_px) const;
+
+  StereoGeometry geometry_;
+  double first_px_;  // smallest disparity searched
+  Ring pairs_;
+  std::vector<Ring::View> views_;  // the newest first
+};
+
+}  // namespace flight_corridor
