@@ -41,6 +41,8 @@ void BM_Corridor(benchmark::State& state) {
   correctedDepth(disparity.best_px, correction, geometry, depth_m);
   Texture left_texture, right_texture;
   ClearRays rays(geometry);
+  const EarlierPairs earlier(geometry);
+  const EarlierMatches earlier_matches(geometry);
   BoxInspector inspector(geometry);
   const FreeAreasConfig areas;
   const std::vector<double> ahead{0.0};
@@ -53,7 +55,8 @@ void BM_Corridor(benchmark::State& state) {
     left_texture.find(pair.left);
     rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
     const PairEvidence evidence{
-        pair, disparity, depth_m, left_texture.mask(), rays, correction, estimator.nearestDepth()};
+        pair,    disparity,       depth_m,    left_texture.mask(),     rays,
+        earlier, earlier_matches, correction, estimator.nearestDepth()};
     benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config, lidar_px, estimator.workers()));
   }
   state.SetLabel(kScenes[state.range(0)]);

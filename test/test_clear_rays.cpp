@@ -100,6 +100,22 @@ TEST_F(ClearRaysTest, ABareRunBetweenTexturedEndsReachesToTheNearerOfThem) {
   }
 }
 
+TEST_F(ClearRaysTest, OfWhatIsKeptForLaterABareRunIsNotClearUnlessTheLidarIsOnIt) {
+  makeBare(100, 200);
+  makeBare(250, 255);  // a gap of noise
+  look();
+  ASSERT_TRUE(isLeftClear(150, 4.0));
+  rays_.keepSeen();
+  EXPECT_FALSE(isLeftClear(150, 100.0));
+  EXPECT_TRUE(isLeftClear(50, 4.0)) << "matched";
+  EXPECT_TRUE(isLeftClear(252, 4.0)) << "narrow";
+  look();
+  rays_.clearPlainSurface(evidence_, textured_, ScaleCorrection(ScaleConfig()),
+                          kSmallGeometry.point(150, kRow, kSmallGeometry.depth(3.0)));
+  rays_.keepSeen();
+  EXPECT_TRUE(isLeftClear(150, 4.0));
+}
+
 TEST_F(ClearRaysTest, ABareRunAtTheImagesSideStaysUnknown) {
   makeBare(0, 40);
   makeBare(280, kColumns);
