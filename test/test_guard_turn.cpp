@@ -76,5 +76,23 @@ TEST(GuardTurn, WhatIsNotMeasuredIsAsCommandedAtWorstToBothSides) {
   EXPECT_NEAR(range.right_rad, -0.35, 1e-6);
 }
 
+TEST(GuardTurn, AnOrientationThatStandsStillWhileTheGyroscopesTurnIsNotBelievedAlone) {
+  GuardTurn turn(0.2);
+  for (int i = 0; i <= 10; ++i) {
+    turn.by_imu.add(ros::Time(10.0 + 0.05 * i), attitude(0.0));
+    turn.by_rate.add(ros::Time(10.0 + 0.05 * i), 1.0);
+  }
+  const TurnRange range = turn.since(ros::Time(10.1), ros::Time(10.5));
+  EXPECT_NEAR(range.left_rad, 0.4, 1e-6);
+  EXPECT_EQ(range.right_rad, 0.0);
+}
+
+TEST(GuardTurn, RatesWithAGapTellNoTurnAcrossIt) {
+  GuardTurn turn(0.2);
+  for (const double stamp_s : {10.0, 10.05, 10.5, 10.55}) turn.by_rate.add(ros::Time(stamp_s), 1.0);
+  EXPECT_FALSE(turn.by_rate.since(ros::Time(10.02)));
+  EXPECT_NEAR(turn.by_rate.since(ros::Time(10.5))->rad, 0.05, 1e-6);
+}
+
 }  // namespace
 }  // namespace flight_corridor_ros

@@ -54,6 +54,8 @@ class Guard {
   void command(const geometry_msgs::TwistStamped& command, const GuardTime& time);
   /// Attitudes of a frame that is fixed to the UAV, in a fixed frame, z up.
   void seeImu(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) { turn_.by_imu.add(stamp, R_W_B); }
+  /// @param rate_rad_s of the heading, left positive.
+  void seeImuRate(const ros::Time& stamp, double rate_rad_s) { turn_.by_rate.add(stamp, rate_rad_s); }
   void seeTf(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) { turn_.by_tf.add(stamp, R_W_B); }
 
   GuardedCommand limited(const GuardTime& time) const;

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "ros/imu.hpp"
 #include "ros/other_publishers.hpp"
 #include "ros/up_direction.hpp"
 
@@ -73,12 +74,14 @@ void GuardNode::take(const geometry_msgs::TwistStamped& command) {
   guard_.command(command, timeNow());
 }
 
-/// Its orientation, if it has a valid one.
+/// Its orientation, if it has a valid one, and how fast it turns about the vertical by its gyroscopes.
 void GuardNode::take(const sensor_msgs::Imu& imu) {
   if (!toUp(imu)) return;
   const auto& q = imu.orientation;
   const std::lock_guard<std::mutex> lock(mutex_);
-  guard_.seeImu(imu.header.stamp, Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized());
+  const Eigen::Quaterniond R_W_I = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
+  guard_.seeImu(imu.header.stamp, R_W_I);
+  if (const auto rate_I = toRate(imu)) guard_.seeImuRate(imu.header.stamp, (R_W_I * *rate_I).z());
 }
 
 void GuardNode::lookAtTf() {

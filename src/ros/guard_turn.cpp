@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "flight_corridor/range/pending_readings.hpp"
 
@@ -22,15 +23,27 @@ double turnAboutZ(const Eigen::Quaterniond& rotation) {
 }  // namespace
 
 /// A time that was set back ends what came before.
-void HeadingHistory::add(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) {
-  const double stamp_s = stamp.toSec();
+bool HeadingHistory::isNext(double stamp_s) {
   if (!headings_.empty() && headings_.back().stamp_s - stamp_s > flight_corridor::kLongestDelay_s) headings_.clear();
-  if (!headings_.empty() && stamp_s <= headings_.back().stamp_s) return;
-  const double heading_rad =
-      headings_.empty() ? 0.0 : headings_.back().rad + turnAboutZ(R_W_B * newest_R_W_B_.conjugate());
-  headings_.push_back({stamp_s, heading_rad});
-  newest_R_W_B_ = R_W_B;
+  return headings_.empty() || stamp_s > headings_.back().stamp_s;
+}
+
+void HeadingHistory::push(double stamp_s, double turned_rad) {
+  headings_.push_back({stamp_s, headings_.empty() ? 0.0 : headings_.back().rad + turned_rad});
   while (headings_.front().stamp_s < stamp_s - kKept_s) headings_.pop_front();
+}
+
+void HeadingHistory::add(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B) {
+  if (!isNext(stamp.toSec())) return;
+  push(stamp.toSec(), turnAboutZ(R_W_B * newest_R_W_B_.conjugate()));
+  newest_R_W_B_ = R_W_B;
+}
+
+void HeadingHistory::add(const ros::Time& stamp, double rate_rad_s) {
+  if (!isNext(stamp.toSec())) return;
+  const double since_s = headings_.empty() ? 0.0 : stamp.toSec() - headings_.back().stamp_s;
+  if (since_s > kNear_s) headings_.clear();
+  push(stamp.toSec(), rate_rad_s * since_s);
 }
 
 std::optional<HeadingHistory::Turn> HeadingHistory::since(const ros::Time& stamp) const {
@@ -67,15 +80,24 @@ TurnRates CommandedTurns::ratesSince(double time_s) const {
 }
 
 TurnRange GuardTurn::since(const ros::Time& stamp, const ros::Time& now) const {
-  HeadingHistory::Turn measured{0.0, stamp.toSec()};
-  for (const HeadingHistory* source : {&by_tf, &by_imu}) {
+  std::vector<HeadingHistory::Turn> measured;
+  double newest_s = stamp.toSec();
+  for (const HeadingHistory* source : {&by_tf, &by_imu, &by_rate}) {
     const auto turn = source->since(stamp);
-    if (turn && turn->until_s > measured.until_s) measured = *turn;
+    if (!turn) continue;
+    measured.push_back(*turn);
+    newest_s = std::max(newest_s, turn->until_s);
   }
-  const double rest_s = std::max(0.0, now.toSec() - measured.until_s);
-  const TurnRates rates = commanded.ratesSince(measured.until_s - delay_s_);
-  return {std::min(0.0, measured.rad + rest_s * rates.right_rad_s),
-          std::max(0.0, measured.rad + rest_s * rates.left_rad_s)};
+  if (measured.empty()) measured.push_back({0.0, newest_s});
+  TurnRange range;
+  for (const HeadingHistory::Turn& turn : measured) {
+    if (newest_s - turn.until_s >= kNear_s) continue;
+    const double rest_s = std::max(0.0, now.toSec() - turn.until_s);
+    const TurnRates rates = commanded.ratesSince(turn.until_s - delay_s_);
+    range.right_rad = std::min(range.right_rad, turn.rad + rest_s * rates.right_rad_s);
+    range.left_rad = std::max(range.left_rad, turn.rad + rest_s * rates.left_rad_s);
+  }
+  return range;
 }
 
 }  // namespace flight_corridor_ros

@@ -24,6 +24,9 @@ class HeadingHistory {
   /// @param R_W_B attitude of a frame that is fixed to the UAV, however mounted, in W: fixed, z up (REP-103).
   void add(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B);
 
+  /// A measured rate of the heading, left positive: it turns by the rates from then on. Begins anew after a gap.
+  void add(const ros::Time& stamp, double rate_rad_s);
+
   /// How far the heading has turned, left positive, and until when it is known.
   struct Turn {
     double rad = 0.0, until_s = 0.0;
@@ -35,6 +38,9 @@ class HeadingHistory {
   struct Heading {
     double stamp_s = 0.0, rad = 0.0;  // not wrapped
   };
+  bool isNext(double stamp_s);
+  void push(double stamp_s, double turned_rad);
+
   std::deque<Heading> headings_;
   Eigen::Quaterniond newest_R_W_B_ = Eigen::Quaterniond::Identity();
 };
@@ -59,7 +65,8 @@ class GuardTurn {
   /// @param delay_s a UAV may turn on for so long as it was commanded before.
   explicit GuardTurn(double delay_s) : delay_s_(delay_s) {}
 
-  HeadingHistory by_imu, by_tf;  ///< The one that is known for longer counts.
+  HeadingHistory by_imu, by_tf;  ///< Those that are known for longest count; where they differ, all that they say.
+  HeadingHistory by_rate;        ///< Likewise: an imu whose orientation stands still may turn.
   CommandedTurns commanded;
 
   TurnRange since(const ros::Time& stamp, const ros::Time& now) const;
