@@ -42,7 +42,7 @@ void BM_Corridor(benchmark::State& state) {
   Texture left_texture, right_texture;
   ClearRays rays(geometry);
   const EarlierPairs earlier(geometry);
-  const EarlierMatches earlier_matches(geometry);
+  const EarlierMatches earlier_matches(geometry, estimator.nearestDepth());
   BoxInspector inspector(geometry);
   const FreeAreasConfig areas;
   const std::vector<double> ahead{0.0};

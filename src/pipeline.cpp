@@ -86,7 +86,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       rectification_(geometry),
       motion_(geometry),
       earlier_(geometry),
-      earlier_matches_(geometry),
+      earlier_matches_(geometry, disparity_estimator_.nearestDepth()),
       obstacles_(config.map) {
   requireSight(config.corridor, geometry, disparity_estimator_.nearestDepth());
   disparity_estimator_.setCovered(covered_);
@@ -185,6 +185,7 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   earlier_.forget();
   earlier_matches_.forget();
+  matches_ = clears_ = false;
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
   Eigen::AlignedBox3d box_V;

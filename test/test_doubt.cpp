@@ -27,7 +27,7 @@ constexpr int kInTheBox_px = 10;  // at 2.1 m
 const cv::Point kMiddle(160, 120);
 
 /// A wall behind the box of which everything is certain.
-const EarlierMatches kNoEarlier(kSmallGeometry);
+const EarlierMatches kNoEarlier(kSmallGeometry, 0.3);
 
 DisparityEvidence certainWall() { return test_support::uniformEvidence(kSmallGeometry.size(), kWall_px); }
 
@@ -81,7 +81,7 @@ TEST(Doubt, WhatNoEarlierPairConfirmsIsNone) {
     DisparityEvidence evidence = certainWall(), before = certainWall();
     addToSet(smallest(), kInTheBox_px, evidence);
     if (is_seen_twice) addToSet(smallest(), kInTheBox_px, before);
-    EarlierMatches earlier(kSmallGeometry);
+    EarlierMatches earlier(kSmallGeometry, 0.3);
     earlier.add(1.0, pose, before);
     earlier.moveTo(1.2, pose, 1.5);
     Doubt doubt(kSmallGeometry);

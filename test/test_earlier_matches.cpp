@@ -47,7 +47,7 @@ class EarlierMatchesTest : public testing::Test {
   }
 
   static inline const int kMiddleRow = kSmallGeometry.size().height / 2;
-  EarlierMatches earlier_{kSmallGeometry};
+  EarlierMatches earlier_{kSmallGeometry, 0.3};
 };
 
 TEST_F(EarlierMatchesTest, WhatFitsWhereItWasThenStays) {
@@ -86,6 +86,16 @@ TEST_F(EarlierMatchesTest, TheSetCountsLikeAMatch) {
     for (int u = 0; u < matches.set.cols; ++u) matches.set.ptr(v, u)[bit / 8] = 1 << bit % 8;
   }
   earlier_.add(1.0, at(0.0), matches);
+  earlier_.moveTo(1.2, at(0.0), kLasting_s);
+  EXPECT_FALSE(isRefuted());
+}
+
+TEST_F(EarlierMatchesTest, WhatWasHiddenOrTooNearIsNotRefuted) {
+  see(1.0, at(0.0), 0.5 * kPlace_m);  // something nearer
+  earlier_.moveTo(1.2, at(0.0), kLasting_s);
+  EXPECT_FALSE(isRefuted());
+  earlier_.forget();
+  see(1.0, at(kPlace_m - 0.2), kBehind_m);  // nearer than anything is matched
   earlier_.moveTo(1.2, at(0.0), kLasting_s);
   EXPECT_FALSE(isRefuted());
 }

@@ -75,7 +75,8 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
       const float clear_px = met_px * (1.0f + kSteepest * off) + kNoise_px;
       const double match_px = correction.correct(std::isnan(best[u]) ? repeated[u] : best[u]);
       if (match_px > clear_px + kOtherSurface_px) continue;
-      left_px[u] = std::min(left_px[u], clear_px);
+      if (clear_px > left_px[u]) continue;
+      left_px[u] = clear_px;
       inferred[u] = 0;
     }
   }

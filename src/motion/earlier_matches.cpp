@@ -15,13 +15,17 @@ namespace {
 
 constexpr std::size_t kMostMatches = 3;  // pairs: their sets are large
 constexpr std::size_t kMostSamples = 100;
+constexpr double kSigmas = 2.0;   // of the motion's error
 constexpr double kFit_px = 1.0;   // a disparity so near to a place's fits there
 constexpr double kFitting = 0.5;  // of a patch's pixels: in every pair some of a real one are matched otherwise
 
 }  // namespace
 
-EarlierMatches::EarlierMatches(const StereoGeometry& geometry)
-    : geometry_(geometry), first_px_(firstDisparity(geometry)), pairs_(kMostMatches) {}
+EarlierMatches::EarlierMatches(const StereoGeometry& geometry, double nearest_m)
+    : geometry_(geometry),
+      first_px_(firstDisparity(geometry)),
+      largest_px_(geometry.disparity(nearest_m)),
+      pairs_(kMostMatches) {}
 
 void EarlierMatches::add(double stamp_s, const CameraPose& pose, DisparityEvidence& matches) {
   views_.clear();  // they point into the pairs
@@ -48,7 +52,7 @@ bool EarlierMatches::refute(const std::vector<cv::Point>& patch, double at_px, c
                      [&](const Ring::View& view) { return refute(view, samples, depth_m, correction); });
 }
 
-/// A pair that does not show all of the patch in both images refutes nothing.
+/// A pair that does not show all of the patch in both images, or whose search does not reach it, refutes nothing.
 bool EarlierMatches::refute(const Ring::View& view, const std::vector<cv::Point>& patch, double depth_m,
                             const ScaleCorrection& correction) const {
   const cv::Size size = geometry_.size();
@@ -60,15 +64,17 @@ bool EarlierMatches::refute(const Ring::View& view, const std::vector<cv::Point>
     if (!geometry_.contains(at)) return false;
     const double corrected_px = geometry_.disparity(p_E.z());
     const double measured_px = corrected_px * correction.scale(corrected_px);
-    const double fit_px = kFit_px + measured_px * view.motion.sigma_m / p_E.z();
+    const double fit_px = kFit_px + kSigmas * measured_px * view.motion.sigma_m / p_E.z();
     places.push_back({{cvRound(at.x()), cvRound(at.y())}, measured_px - fit_px, measured_px + fit_px});
-    reach = cvRound(geometry_.calibration().fx_px * view.motion.error(p_E.z()) / p_E.z());
-    const cv::Point& there = places.back().pixel;
-    const double shift_px = measured_px + geometry_.principalPointDifference();
-    const bool is_shown = there.x - reach >= std::max(0.0, shift_px) && there.x + reach < size.width &&
-                          there.y >= reach && there.y + reach < size.height;
-    if (!is_shown) return false;
+    reach = std::max(reach, cvRound(kSigmas * geometry_.calibration().fx_px * view.motion.error(p_E.z()) / p_E.z()));
   }
+  const double shift_px = geometry_.principalPointDifference();
+  const bool is_shown = std::all_of(places.begin(), places.end(), [&](const Place& place) {
+    return first_px_ <= place.first_px && place.last_px <= largest_px_ &&
+           place.pixel.x - reach >= std::max(0.0, place.last_px + shift_px) && place.pixel.x + reach < size.width &&
+           place.pixel.y >= reach && place.pixel.y + reach < size.height;
+  });
+  if (!is_shown) return false;
   for (int y = -reach; y <= reach; ++y) {
     for (int x = -reach; x <= reach; ++x) {
       const auto fitting = std::count_if(places.begin(), places.end(), [&](const Place& place) {
@@ -80,20 +86,18 @@ bool EarlierMatches::refute(const Ring::View& view, const std::vector<cv::Point>
   return true;
 }
 
+/// What is matched nearer hides the place; so may whatever a pixel without a match is of.
 bool EarlierMatches::fits(const DisparityEvidence& matches, const Place& place, const cv::Point& moved_px) const {
   const cv::Point at = place.pixel + moved_px;
-  const auto isNear = [&](double px) { return place.first_px <= px && px <= place.last_px; };
-  if (isNear(matches.best_px.at<float>(at)) || isNear(matches.repeated_px.at<float>(at))) return true;
+  const float best_px = matches.best_px.at<float>(at), repeated_px = matches.repeated_px.at<float>(at);
+  if (best_px >= place.first_px || repeated_px >= place.first_px) return true;  // not of NaN
   const bool has_competitor = (matches.flags.at<std::uint8_t>(at) & kCompetitor) != 0;
-  if (has_competitor && (isNear(matches.competitor_nearest.at<std::uint8_t>(at) + first_px_) ||
-                         isNear(matches.competitor_farthest.at<std::uint8_t>(at) + first_px_))) {
-    return true;
-  }
+  if (has_competitor && matches.competitor_nearest.at<std::uint8_t>(at) + first_px_ >= place.first_px) return true;
   const int words = matches.set.channels() / 8;
   const auto* set = matches.set.ptr<std::uint64_t>(at.y) + static_cast<std::size_t>(at.x) * words;
-  const int first = std::max(0, static_cast<int>(std::ceil(place.first_px - first_px_)));
-  const int found = firstBitFrom(set, words, first);
-  return found < 64 * words && found + first_px_ <= place.last_px;
+  const int found = firstBitFrom(set, words, static_cast<int>(std::ceil(place.first_px - first_px_)));
+  const bool is_matched = !std::isnan(best_px) || !std::isnan(repeated_px);
+  return found < 64 * words && (!is_matched || found + first_px_ <= place.last_px);
 }
 
 }  // namespace flight_corridor

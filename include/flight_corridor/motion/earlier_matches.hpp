@@ -15,7 +15,8 @@ namespace flight_corridor {
 /// what fits in one by chance, of a pattern or of noise, hardly does in another. One object, one caller at a time.
 class EarlierMatches {
  public:
-  explicit EarlierMatches(const StereoGeometry& geometry);
+  /// @param nearest_m nothing nearer is matched; not corrected.
+  EarlierMatches(const StereoGeometry& geometry, double nearest_m);
 
   /// A pair's evidence; it is exchanged for buffers of an older pair.
   void add(double stamp_s, const CameraPose& pose, DisparityEvidence& matches);
@@ -28,7 +29,7 @@ class EarlierMatches {
   bool empty() const { return views_.empty(); }
 
   /// Whether an earlier pair shows that a patch of the newest one stands nowhere near a disparity: wherever the motion's
-  /// error may move it, fewer than half of its pixels fit.
+  /// error may move it (2 sigma), fewer than half of its pixels fit, or are hidden by what is nearer.
   /// @param patch pixels, not none.  @param at_px their disparity, corrected.  @param correction of all pairs.
   bool refute(const std::vector<cv::Point>& patch, double at_px, const ScaleCorrection& correction) const;
 
@@ -44,7 +45,7 @@ class EarlierMatches {
   bool fits(const DisparityEvidence& matches, const Place& place, const cv::Point& moved_px) const;
 
   StereoGeometry geometry_;
-  double first_px_;  // smallest disparity searched
+  double first_px_, largest_px_;  // disparities between which matches are searched
   Ring pairs_;
   std::vector<Ring::View> views_;  // the newest first
 };
