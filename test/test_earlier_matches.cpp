@@ -56,8 +56,8 @@ TEST_F(EarlierMatchesTest, WhatFitsWhereItWasThenStays) {
   EXPECT_FALSE(isRefuted());
 }
 
-TEST_F(EarlierMatchesTest, WhatFitsAtTheSameDisparityThoughTheCameraMovedIsRefuted) {
-  see(1.0, at(0.0), kPlace_m);
+TEST_F(EarlierMatchesTest, WhatFitsBehindWhereItWasThenIsRefuted) {
+  see(1.0, at(0.0), kPlace_m + 1.0);
   earlier_.moveTo(1.2, at(0.4), kLasting_s);
   EXPECT_TRUE(isRefuted());
 }

@@ -27,13 +27,13 @@ constexpr float kOtherSurface_px = 1.0f;  // a match that is nearer by more show
 ClearRays::ClearRays(const StereoGeometry& geometry)
     : geometry_(geometry),
       first_px_(firstDisparity(geometry)),
-      inferred_(geometry.size(), CV_8UC1),
+      kept_px_(geometry.size(), CV_32FC1),
       met_left_px_(geometry.size(), CV_32FC1),
       met_right_px_(geometry.size(), CV_32FC1) {}
 
 void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
                      const ScaleCorrection& correction, BandWorkers& workers) {
-  inferred_.setTo(0);
+  kept_px_.setTo(0.0);
   workers.run(kBands, [&](int band, int) {
     const int rows = met_left_px_.rows;
     for (int v = rows * band / kBands; v < rows * (band + 1) / kBands; ++v) {
@@ -67,7 +67,7 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
   for (int v = around.y; v < around.br().y; ++v) {
     auto* left_px = met_left_px_.ptr<float>(v);
     const std::uint8_t *is_textured = textured.ptr(v), *is_surface = closed_.ptr(v);
-    auto* inferred = inferred_.ptr(v);
+    auto* kept_px = kept_px_.ptr<float>(v);
     const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
     for (int u = around.x; u < around.br().x; ++u) {
       if (!is_surface[u] || is_textured[u]) continue;
@@ -75,14 +75,13 @@ void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::M
       const float clear_px = met_px * (1.0f + kSteepest * off) + kNoise_px;
       const double match_px = correction.correct(std::isnan(best[u]) ? repeated[u] : best[u]);
       if (match_px > clear_px + kOtherSurface_px) continue;
-      if (clear_px > left_px[u]) continue;
-      left_px[u] = clear_px;
-      inferred[u] = 0;
+      left_px[u] = std::min(left_px[u], clear_px);
+      kept_px[u] = std::min(kept_px[u], clear_px);
     }
   }
 }
 
-void ClearRays::keepSeen() { met_left_px_.setTo(kUnknown_px, inferred_); }
+void ClearRays::keepSeen() { cv::max(met_left_px_, kept_px_, met_left_px_); }
 
 /// The right camera's ray meets the nearest match there.
 void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::uint8_t* textured,
@@ -140,7 +139,7 @@ void ClearRays::clearTexturelessRuns(int v, const DisparityEvidence& evidence, c
     const int strip = end - u > 2 * kEdgeWidth_px ? kEdgeWidth_px : 0;  // shorter gaps are of noise
     const float one_px = endOf(u - kEdgeWidth_px, u, strip), other_px = endOf(end, end - strip, strip);
     std::fill(met_px + u, met_px + end, std::max(one_px, other_px));
-    if (strip > 0) std::fill(inferred_.ptr(v) + u, inferred_.ptr(v) + end, 255);
+    if (strip > 0) std::fill(kept_px_.ptr<float>(v) + u, kept_px_.ptr<float>(v) + end, kUnknown_px);
   }
 }
 

@@ -55,7 +55,7 @@ class ClearRays {
   StereoGeometry geometry_;
   double first_px_;  // smallest disparity searched
   cv::Mat closed_, region_;  // of the beam's surface
-  cv::Mat inferred_;         // CV_8UC1: runs that only their ends clear
+  cv::Mat kept_px_;          // CV_32FC1: up to which disparity at most a ray is clear for later, where its ends clear it
   cv::Mat met_left_px_,
       met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, with noise; +inf: not clear
 };
