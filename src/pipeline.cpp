@@ -156,7 +156,7 @@ void Pipeline::trackRange() {
 
 /// The last pair's matches become an earlier one's, before this pair overwrites them.
 void Pipeline::rememberMatches() {
-  if (!std::exchange(matches_, false) || !motion_.pose() || config_.corridor.memory_s <= 0.0) return;
+  if (!std::exchange(keeps_matches_, false) || !motion_.pose() || config_.corridor.memory_s <= 0.0) return;
   earlier_matches_.add(judged_s_, *motion_.pose(), disparity_);
 }
 
@@ -185,7 +185,7 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   earlier_.forget();
   earlier_matches_.forget();
-  matches_ = clears_ = false;
+  keeps_matches_ = clears_ = false;
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
   Eigen::AlignedBox3d box_V;
@@ -261,7 +261,7 @@ void Pipeline::decide() {
   const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
   if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   report_.clears = clears_ = isTrusted();
-  matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;
+  keeps_matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;
   updateObstacles();
   judged_s_ = verdict.stamp_s;
 }

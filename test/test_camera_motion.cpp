@@ -118,6 +118,25 @@ TEST_F(CameraMotionTest, TheImagesTellWhatLiesBetweenToldPoses) {
   }
 }
 
+TEST_F(CameraMotionTest, AToldMotionThatTheImagesContradictIsNoneWithinHalfASecond) {
+  for (const double stretched : {0.0, 0.5, 0.98, 1.0, 2.0}) {
+    CameraMotion motion{StereoGeometry(flight().calibration())};
+    int told = 0;
+    for (int i = 0; i < kPairs; ++i) {
+      Eigen::Isometry3d T_W_C = truth(pairs()[i].images.stamp_s);
+      T_W_C.translation() *= stretched;
+      motion.update(pairs()[i].images.stamp_s, pairs()[i].images.left, pairs()[i].disparity_px, correction_, T_W_C);
+      told += motion.pose().has_value();
+    }
+    const bool is_sound = stretched >= 0.98 && stretched <= 1.0;
+    if (is_sound) {
+      EXPECT_EQ(told, kPairs) << stretched;
+    } else {
+      EXPECT_LE(told, 5) << stretched;
+    }
+  }
+}
+
 TEST_F(CameraMotionTest, PosesFromBeforeAJumpAreOfAnotherSeries) {
   CameraMotion motion{StereoGeometry(flight().calibration())};
   int series = 0;

@@ -9,6 +9,7 @@
 #include "flight_corridor/stereo/search_range.hpp"
 #include "flight_corridor/stereo/semi_global_matcher.hpp"
 #include "support/calibrations.hpp"
+#include "support/camera_pose.hpp"
 #include "support/corridor_box.hpp"
 #include "support/evidence.hpp"
 
@@ -75,8 +76,7 @@ TEST(Doubt, APatchThatFitsInTheBoxAsWellIsDoubtASmallerOneIsNot) {
 }
 
 TEST(Doubt, WhatNoEarlierPairConfirmsIsNone) {
-  CameraPose pose;
-  pose.series = 1;
+  const CameraPose pose = test_support::poseAt(0.0);
   for (const bool is_seen_twice : {true, false}) {
     DisparityEvidence evidence = certainWall(), before = certainWall();
     addToSet(smallest(), kInTheBox_px, evidence);

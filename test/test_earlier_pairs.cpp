@@ -5,12 +5,13 @@
 
 #include "flight_corridor/motion/earlier_pairs.hpp"
 #include "support/calibrations.hpp"
+#include "support/camera_pose.hpp"
 #include "support/evidence.hpp"
 
 namespace flight_corridor {
 namespace {
 
-using test_support::kSmallGeometry;
+using test_support::kSmallGeometry, test_support::poseAt;
 
 constexpr double kMemory_s = 1.5;
 constexpr double kClearTo_m = 5.0;
@@ -18,12 +19,6 @@ constexpr double kClearTo_m = 5.0;
 /// Pairs that fly straight ahead, whose left rays are clear up to a depth.
 class EarlierPairsTest : public testing::Test {
  protected:
-  static CameraPose at(double ahead_m, int series = 1) {
-    CameraPose pose;
-    pose.T_M_C.translation().z() = ahead_m;
-    pose.series = series;
-    return pose;
-  }
   void see(double stamp_s, const CameraPose& pose, double clear_to_m = kClearTo_m) {
     cv::Mat left(kSmallGeometry.size(), CV_32FC1, cv::Scalar(kSmallGeometry.disparity(clear_to_m)));
     cv::Mat right(kSmallGeometry.size(), CV_32FC1, cv::Scalar(kInfinity));
@@ -40,54 +35,54 @@ class EarlierPairsTest : public testing::Test {
 };
 
 TEST_F(EarlierPairsTest, APlaceThatTwoPairsSawClearWasClear) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.3));
-  earlier_.moveTo(1.4, at(0.6), kMemory_s);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.3));
+  earlier_.moveTo(1.4, poseAt(0.6), kMemory_s);
   EXPECT_TRUE(wasClear(1.0));
   EXPECT_TRUE(wasClear(kClearTo_m - 0.6 - 0.1));
   EXPECT_FALSE(wasClear(kClearTo_m - 0.6 + 0.1)) << "beyond what the first of them saw";
 }
 
 TEST_F(EarlierPairsTest, OnePairsMistakeIsNotRemembered) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.3), 0.5);
-  earlier_.moveTo(1.4, at(0.6), kMemory_s);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.3), 0.5);
+  earlier_.moveTo(1.4, poseAt(0.6), kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
 }
 
 TEST_F(EarlierPairsTest, ThePlaceIsLookedUpWhereItWasThen) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.0));
-  CameraPose aside = at(0.0);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.0));
+  CameraPose aside = poseAt(0.0);
   aside.T_M_C.translation().x() = 20.0;
   earlier_.moveTo(1.4, aside, kMemory_s);
   EXPECT_FALSE(wasClear(1.0)) << "it was out of their view";
-  CameraPose turned = at(0.0);
+  CameraPose turned = poseAt(0.0);
   turned.T_M_C.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()).toRotationMatrix();
   earlier_.moveTo(1.4, turned, kMemory_s);
   EXPECT_FALSE(wasClear(1.0)) << "it was behind them";
 }
 
 TEST_F(EarlierPairsTest, OldPairsAreForgotten) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.3));
-  earlier_.moveTo(1.0 + kMemory_s + 0.1, at(0.6), kMemory_s);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.3));
+  earlier_.moveTo(1.0 + kMemory_s + 0.1, poseAt(0.6), kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
 }
 
 TEST_F(EarlierPairsTest, PairsOfAnotherSeriesAreNotAsked) {
-  see(1.0, at(0.0, 1));
-  see(1.2, at(0.3, 1));
-  earlier_.moveTo(1.4, at(0.6, 2), kMemory_s);
+  see(1.0, poseAt(0.0, 1));
+  see(1.2, poseAt(0.3, 1));
+  earlier_.moveTo(1.4, poseAt(0.6, 2), kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
   earlier_.moveTo(1.4, std::nullopt, kMemory_s);
   EXPECT_FALSE(wasClear(1.0)) << "nobody knows where they were";
 }
 
 TEST_F(EarlierPairsTest, AnUncertainPoseIsNotTrusted) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.3));
-  CameraPose now = at(0.6);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.3));
+  CameraPose now = poseAt(0.6);
   now.translation.own = std::pow(0.02, 2);
   earlier_.moveTo(1.4, now, kMemory_s);
   EXPECT_TRUE(wasClear(1.0));
@@ -97,16 +92,16 @@ TEST_F(EarlierPairsTest, AnUncertainPoseIsNotTrusted) {
 }
 
 TEST_F(EarlierPairsTest, PairsFromOnePlaceAndMomentCountOnce) {
-  see(1.00, at(0.0));
-  see(1.01, at(0.01));
-  earlier_.moveTo(1.4, at(0.6), kMemory_s);
+  see(1.00, poseAt(0.0));
+  see(1.01, poseAt(0.01));
+  earlier_.moveTo(1.4, poseAt(0.6), kMemory_s);
   EXPECT_FALSE(wasClear(1.0));
 }
 
 TEST_F(EarlierPairsTest, WhereASurfaceIsSeenNoMoreSomethingMayHaveComeBeforeIt) {
-  see(1.0, at(0.0));
-  see(1.2, at(0.0));
-  earlier_.moveTo(1.4, at(0.0), kMemory_s);
+  see(1.0, poseAt(0.0));
+  see(1.2, poseAt(0.0));
+  earlier_.moveTo(1.4, poseAt(0.0), kMemory_s);
   const auto wall_px = static_cast<float>(kSmallGeometry.disparity(kClearTo_m));
   DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), wall_px);
   const cv::Rect covered(100, 80, 40, 40);
@@ -118,9 +113,9 @@ TEST_F(EarlierPairsTest, WhereASurfaceIsSeenNoMoreSomethingMayHaveComeBeforeIt) 
 }
 
 TEST_F(EarlierPairsTest, WhatWasNeverSeenHasNotVanished) {
-  see(1.0, at(0.0), kNaN);
-  see(1.2, at(0.0), kNaN);
-  earlier_.moveTo(1.4, at(0.0), kMemory_s);
+  see(1.0, poseAt(0.0), kNaN);
+  see(1.2, poseAt(0.0), kNaN);
+  earlier_.moveTo(1.4, poseAt(0.0), kMemory_s);
   DisparityEvidence matches = test_support::uniformEvidence(kSmallGeometry.size(), 3.0);
   matches.best_px = kNaN;
   earlier_.look(matches, test_support::texturedAllOver(kSmallGeometry.size()));

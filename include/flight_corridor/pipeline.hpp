@@ -193,8 +193,8 @@ class Pipeline {
   ObstacleMemory obstacles_;  // in the frame of motion_'s present series
   int series_ = 0;
   bool clears_ = false;     // the free space of the last pair that was judged is trusted
-  bool matches_ = false;    // ... and so are its matches
-  double judged_s_ = kNaN;  // ... its stamp
+  bool keeps_matches_ = false;  // ... its matches may refute later doubt
+  double judged_s_ = kNaN;      // ... its stamp
   std::uint32_t image_faults_ = 0;  // of the last pair
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;

@@ -89,10 +89,9 @@ void Holes::layOut(const Fan& fan, double from_m, double smallest_m) {
 }
 
 /// A plane in the last pair's disparities.
-Holes::Place Holes::place(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction,
-                          double nearest_m) const {
+void Holes::locate(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction, double nearest_m,
+                   Place& place) const {
   const StereoCalibration& rig = geometry_.calibration();
-  Place place;
   place.at_px = static_cast<float>(geometry_.disparity(plane.depth_m));
   const double measured_px = place.at_px * correction.scale(place.at_px);
   place.first_px = static_cast<float>(firstDisparity(geometry_));
@@ -104,7 +103,6 @@ Holes::Place Holes::place(const Plane& plane, const EarlierPairs& earlier, const
   const double largest_m = kJustInside * std::min(fan_.box().size_m.y(), fan_.box().size_m.z());
   place.edge =
       std::max(1, static_cast<int>(std::ceil((std::min(kHole * smallest_m_, largest_m) - kTouch_m) / stride_m)));
-  return place;
 }
 
 /// Whether no ray of the newest pair shows that the place is clear.
@@ -215,12 +213,13 @@ Holes::Square Holes::search(const Plane& plane, const Place& place, int directio
 const std::vector<Unobserved>& Holes::find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
                                            double from_m, double nearest_m, double smallest_m, double most_unclear) {
   layOut(fan, from_m, smallest_m);
-  places_.clear();
+  places_.resize(planes_.size());  // their images are reused
   looks_.clear();
-  for (const Plane& plane : planes_) {
-    places_.push_back(place(plane, absence.earlier, correction, nearest_m));
-    if (!plane.view.empty()) findUnclear(plane, places_.back(), absence);
-    for (const Section& section : plane.sections) looks_.push_back(look(plane, section, places_.back()));
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    const Plane& plane = planes_[i];
+    locate(plane, absence.earlier, correction, nearest_m, places_[i]);
+    if (!plane.view.empty()) findUnclear(plane, places_[i], absence);
+    for (const Section& section : plane.sections) looks_.push_back(look(plane, section, places_[i]));
   }
   found_.clear();
   for (int direction = 0; direction < fan.size(); ++direction) {

@@ -97,14 +97,20 @@ void CameraMotion::follow(const cv::Mat& left, const cv::Mat& disparity_px, cons
   }
 }
 
+/// While the images contradict the told motion there is no pose.
 void CameraMotion::compare(const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction) {
-  const Eigen::Isometry3d& told_W_C = pose_->T_M_C;
+  const Eigen::Isometry3d told_W_C = pose_->T_M_C;
   const bool is_new = std::isnan(begun_s_);
-  if (!is_new && stamp_s_ - looked_s_ < kLookEvery_s) return;
+  if (!is_new && stamp_s_ - looked_s_ < kLookEvery_s) {
+    if (is_contradicted_) pose_.reset();
+    return;
+  }
   looked_s_ = stamp_s_;
   const Eigen::Isometry3d told_K_C = told_W_K_.inverse() * told_W_C;
   const auto moved = odometry_.track(left, disparity_px, correction, is_new ? Eigen::Isometry3d::Identity() : told_K_C);
   const bool is_lost = is_new || !moved;
+  is_contradicted_ = !is_lost && MotionWitness::disagrees(stamp_s_ - key_s_, told_K_C, *moved);
+  if (is_contradicted_) pose_.reset();
   CameraPose seen = is_lost ? CameraPose() : after(key_, *moved);
   const Eigen::Isometry3d told_S_C = told_W_S_.inverse() * told_W_C;
   const double way_s = stamp_s_ - begun_s_;
@@ -121,6 +127,7 @@ void CameraMotion::compare(const cv::Mat& left, const cv::Mat& disparity_px, con
     return;
   }
   told_W_K_ = told_W_C;
+  key_s_ = stamp_s_;
   setKey(disparity_px, correction, seen);
 }
 

@@ -28,19 +28,7 @@ EarlierMatches::EarlierMatches(const StereoGeometry& geometry, double nearest_m)
       pairs_(kMostMatches) {}
 
 void EarlierMatches::add(double stamp_s, const CameraPose& pose, DisparityEvidence& matches) {
-  views_.clear();  // they point into the pairs
   if (DisparityEvidence* kept = pairs_.add(stamp_s, pose)) std::swap(*kept, matches);
-}
-
-void EarlierMatches::moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
-  views_.clear();
-  pairs_.forgetBefore(stamp_s - memory_s);
-  if (pose) views_ = pairs_.from(*pose);
-}
-
-void EarlierMatches::forget() {
-  views_.clear();
-  pairs_.clear();
 }
 
 bool EarlierMatches::refute(const std::vector<cv::Point>& patch, double at_px, const ScaleCorrection& correction) const {
@@ -48,7 +36,7 @@ bool EarlierMatches::refute(const std::vector<cv::Point>& patch, double at_px, c
   std::vector<cv::Point> samples;
   for (std::size_t i = 0; i < patch.size(); i += step) samples.push_back(patch[i]);
   const double depth_m = geometry_.depth(at_px);
-  return std::any_of(views_.begin(), views_.end(),
+  return std::any_of(pairs_.views().begin(), pairs_.views().end(),
                      [&](const Ring::View& view) { return refute(view, samples, depth_m, correction); });
 }
 

@@ -19,7 +19,6 @@ EarlierPairs::EarlierPairs(const StereoGeometry& geometry) : geometry_(geometry)
 
 void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& depth_m, const cv::Mat& textured,
                        cv::Mat& met_left_px, cv::Mat& met_right_px) {
-  views_.clear();  // they point into the pairs
   Kept* kept = pairs_.add(stamp_s, pose);
   if (!kept) return;
   kept->met_left_px.create(met_left_px.size(), met_left_px.type());
@@ -35,17 +34,6 @@ void EarlierPairs::add(double stamp_s, const CameraPose& pose, const cv::Mat& de
       }
     }
   }
-}
-
-void EarlierPairs::moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
-  views_.clear();
-  pairs_.forgetBefore(stamp_s - memory_s);
-  if (pose) views_ = pairs_.from(*pose);
-}
-
-void EarlierPairs::forget() {
-  views_.clear();
-  pairs_.clear();
 }
 
 void EarlierPairs::look(const DisparityEvidence& matches, const cv::Mat& textured) {
@@ -65,7 +53,7 @@ void EarlierPairs::findVanished() const {
     return is_matched && textured_.at<std::uint8_t>(v, u) != 0;
   };
   cv::Mat balance(cells, CV_16SC1);  // points that are seen no more, less those that are
-  for (const Ring::View& view : views_) {
+  for (const Ring::View& view : pairs_.views()) {
     balance.setTo(0);
     const Eigen::Isometry3d T_C_E = view.motion.T_K_C.inverse();
     const Eigen::Matrix3f turned = (geometry_.cameraMatrix() * T_C_E.linear()).cast<float>();
@@ -89,7 +77,7 @@ EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {
   const auto seen = [&](const Ring::View& view, int u, int v) {
     return Eigen::Vector3d(geometry_.cameraMatrix() * (view.motion.T_K_C * geometry_.point(u, v, depth_m)));
   };
-  for (const Ring::View& view : views_) {
+  for (const Ring::View& view : pairs_.views()) {
     const double error_m = view.motion.error(depth_m);
     if (!(error_m <= kMostError_m)) continue;
     const Eigen::Vector3d corner = seen(view, 0, 0);

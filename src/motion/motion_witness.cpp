@@ -48,19 +48,27 @@ bool MotionWitness::isComparable(const Eigen::Isometry3d& T_S_C) {
   return T_S_C.translation().norm() >= kLeast_m || Eigen::AngleAxisd(T_S_C.linear()).angle() >= kLeast_rad;
 }
 
-void MotionWitness::add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen) {
-  const Way way{duration_s, told_S_C.translation(), seen.T_K_C.translation(), rotationVector(told_S_C.linear()),
-                rotationVector(seen.T_K_C.linear())};
-  const double length_m = std::max(way.told_m.norm(), way.seen_m.norm());
-  const double turn_rad = std::max(way.told_rad.norm(), way.seen_rad.norm());
-  if (!isComparable(told_S_C) && !isComparable(seen.T_K_C)) return;
+bool MotionWitness::disagrees(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen) {
+  const double length_m = std::max(told_S_C.translation().norm(), seen.T_K_C.translation().norm());
+  const double turn_rad =
+      std::max(rotationVector(told_S_C.linear()).norm(), rotationVector(seen.T_K_C.linear()).norm());
   const double drift_rad = kTold_radps * duration_s;
   const double sigma_m = std::hypot(seen.sigma_m, kToldShare * length_m + kTold_m, drift_rad * length_m);
   const double sigma_rad = std::hypot(seen.sigma_rad, kToldShare * turn_rad, drift_rad);
   const double off_rad = rotationVector(told_S_C.linear().transpose() * seen.T_K_C.linear()).norm();
-  const bool disagrees = (way.seen_m - way.told_m).norm() > kSigmas * sigma_m || off_rad > kSigmas * sigma_rad;
-  disagreeing_ = disagrees ? disagreeing_ + 1 : 0;
-  if (disagrees) way_ = way;
+  const double off_m = (seen.T_K_C.translation() - told_S_C.translation()).norm();
+  return off_m > kSigmas * sigma_m || off_rad > kSigmas * sigma_rad;
+}
+
+void MotionWitness::add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen) {
+  if (!isComparable(told_S_C) && !isComparable(seen.T_K_C)) return;
+  if (!disagrees(duration_s, told_S_C, seen)) {
+    disagreeing_ = 0;
+    return;
+  }
+  ++disagreeing_;
+  way_ = {duration_s, told_S_C.translation(), seen.T_K_C.translation(), rotationVector(told_S_C.linear()),
+          rotationVector(seen.T_K_C.linear())};
 }
 
 }  // namespace flight_corridor

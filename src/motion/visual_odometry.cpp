@@ -103,8 +103,8 @@ std::optional<Eigen::Isometry3d> VisualOdometry::agree() {
     points_K.emplace_back(corner.p_K.x(), corner.p_K.y(), corner.p_K.z());
     seen_px.emplace_back(corner.seen_px.x(), corner.seen_px.y());
   }
-  const StereoCalibration& rig = geometry_.calibration();
-  const cv::Matx33d camera(rig.fx_px, 0.0, rig.cx_px, 0.0, rig.fy_px, rig.cy_px, 0.0, 0.0, 1.0);
+  cv::Mat camera;
+  cv::eigen2cv(geometry_.cameraMatrix(), camera);
   cv::Mat rotation, translation, matrix;
   std::vector<int> agreeing;
   cv::setRNGSeed(1);  // the same images give the same answer

@@ -87,8 +87,8 @@ class Holes {
   };
 
   void layOut(const Fan& fan, double from_m, double smallest_m);
-  Place place(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction,
-              double nearest_m) const;
+  void locate(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction, double nearest_m,
+              Place& place) const;
   /// Of pixels that both cameras see.
   static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
   static bool wasClear(int u, int v, const Place& place, const Absence& absence);

@@ -47,7 +47,7 @@ class CameraMotion {
   void update(double stamp_s, const cv::Mat& left, const cv::Mat& disparity_px, const ScaleCorrection& correction,
               const std::optional<Eigen::Isometry3d>& told_W_C);
 
-  /// At the last pair; nullopt: neither told nor shown by the images.
+  /// At the last pair; nullopt: neither told nor shown by the images, or told, but the images just contradict it.
   const std::optional<CameraPose>& pose() const { return pose_; }
   /// Told motion against that of the images.
   const MotionWitness& witness() const { return witness_; }
@@ -72,7 +72,8 @@ class CameraMotion {
   // The way that is compared.
   Eigen::Isometry3d told_W_S_ = Eigen::Isometry3d::Identity();  // its start, as told
   Eigen::Isometry3d told_W_K_ = Eigen::Isometry3d::Identity();  // the key image, as told
-  double begun_s_ = kNaN, looked_s_ = kNaN;
+  double begun_s_ = kNaN, looked_s_ = kNaN, key_s_ = kNaN;  // stamps: its start, the last look, the key image
+  bool is_contradicted_ = false;                            // by the last look
 };
 
 }  // namespace flight_corridor

@@ -23,10 +23,12 @@ class EarlierMatches {
 
   /// From now on places are asked about as seen from this pose.
   /// @param memory_s older pairs are forgotten.
-  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s);
+  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
+    pairs_.moveTo(stamp_s, pose, memory_s);
+  }
 
-  void forget();
-  bool empty() const { return views_.empty(); }
+  void forget() { pairs_.forget(); }
+  bool empty() const { return pairs_.views().empty(); }
 
   /// Whether an earlier pair shows that a patch of the newest one stands nowhere near a disparity: wherever the motion's
   /// error may move it (2 sigma), fewer than half of its pixels fit, or are hidden by what is nearer.
@@ -47,7 +49,6 @@ class EarlierMatches {
   StereoGeometry geometry_;
   double first_px_, largest_px_;  // disparities between which matches are searched
   Ring pairs_;
-  std::vector<Ring::View> views_;  // the newest first
 };
 
 }  // namespace flight_corridor

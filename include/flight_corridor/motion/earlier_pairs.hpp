@@ -26,12 +26,13 @@ class EarlierPairs {
 
   /// From now on places are asked about as seen from this pose.
   /// @param memory_s older pairs are forgotten.
-  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s);
+  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
+    pairs_.moveTo(stamp_s, pose, memory_s);
+  }
 
-  bool empty() const { return views_.empty(); }
+  bool empty() const { return pairs_.views().empty(); }
 
-  /// Forgets all.
-  void forget();
+  void forget() { pairs_.forget(); }
 
   /// The newest pair's matches, with which the surfaces that the earlier pairs saw are compared; they must stay as they
   /// are as long as hasVanished() is asked.
@@ -76,7 +77,6 @@ class EarlierPairs {
   mutable cv::Mat vanished_;  // a square; empty: not compared yet
   cv::Mat best_px_, repeated_px_, textured_;  // of the newest pair
   Ring pairs_;
-  std::vector<Ring::View> views_;  // the newest first
 };
 
 }  // namespace flight_corridor

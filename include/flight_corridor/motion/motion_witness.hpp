@@ -22,8 +22,11 @@ std::string describe(const Way& way);
 /// turns all of it. What was told may be wrong itself. One object, one thread.
 class MotionWitness {
  public:
-  /// A finished way.
-  /// @param told_S_C, seen pose at its end in the camera of its start.
+  /// Whether told and seen motion differ by more than three sigma.
+  /// @param told_S_C, seen pose at a way's end in the camera of its start.
+  static bool disagrees(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen);
+
+  /// A finished way, likewise.
   void add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen);
 
   /// Whether a way is long, or turns enough.

@@ -11,7 +11,8 @@
 
 namespace flight_corridor {
 
-/// The newest pairs, apart from each other in place or time, and what is kept of each. One object, one thread.
+/// The newest pairs, apart from each other in place or time, what is kept of each, and how each is seen from now. One
+/// object, one thread.
 template <class Kept>
 class PairRing {
  public:
@@ -21,6 +22,7 @@ class PairRing {
   /// @return what is kept of it, to be filled: as the oldest pair left it when the ring is full. Null: the pair is not
   /// apart from the last one, and is not kept. Valid until the next call.
   Kept* add(double stamp_s, const CameraPose& pose) {
+    views_.clear();  // they point into the pairs
     if (!pairs_.empty() && pairs_.back().pose.series != pose.series) pairs_.clear();
     if (!pairs_.empty() && !isApart(stamp_s, pose)) return nullptr;
     Pair pair;
@@ -34,24 +36,29 @@ class PairRing {
     return &pairs_.back().kept;
   }
 
-  void forgetBefore(double stamp_s) {
-    while (!pairs_.empty() && !(pairs_.front().stamp_s >= stamp_s)) pairs_.pop_front();
+  /// From now on pairs are seen from this pose; absent: nobody knows from where.
+  /// @param memory_s older pairs are forgotten.
+  void moveTo(double stamp_s, const std::optional<CameraPose>& pose, double memory_s) {
+    views_.clear();
+    while (!pairs_.empty() && !(stamp_s - pairs_.front().stamp_s <= memory_s)) pairs_.pop_front();
+    if (!pose) return;
+    for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
+      if (const auto motion = motionBetween(pair->pose, *pose)) views_.push_back({&pair->kept, *motion});
+    }
   }
-  void clear() { pairs_.clear(); }
 
-  /// What is kept of a pair, as seen from a later pose.
+  void forget() {
+    views_.clear();
+    pairs_.clear();
+  }
+
+  /// What is kept of a pair, as seen from now.
   struct View {
     const Kept* kept;
-    RelativePose motion;  ///< From it to the later pose.
+    RelativePose motion;  ///< From it until now.
   };
-  /// The pairs from which the motion to a pose is known well enough, the newest first; valid until the next add().
-  std::vector<View> from(const CameraPose& pose) const {
-    std::vector<View> views;
-    for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
-      if (const auto motion = motionBetween(pair->pose, pose)) views.push_back({&pair->kept, *motion});
-    }
-    return views;
-  }
+  /// The pairs from which the motion until now is known well enough, the newest first.
+  const std::vector<View>& views() const { return views_; }
 
  private:
   static constexpr double kApart_m = 0.05, kApart_s = 0.1;  // between two pairs that are kept
@@ -69,7 +76,8 @@ class PairRing {
   }
 
   std::size_t most_;
-  std::deque<Pair> pairs_;  // the oldest first
+  std::deque<Pair> pairs_;   // the oldest first
+  std::vector<View> views_;  // of them
 };
 
 }  // namespace flight_corridor
