@@ -19,6 +19,7 @@ REMEDIES = {
     "BAD_IMAGE": "wrong size or encoding, or one camera on both topics: the node's log says which",
     "BAD_CALIBRATION": "CameraInfo is impossible: the node's log says which number",
     "NO_DISPARITY": "hardly any match: texture, exposure, rectification, a covered lens, left and right exchanged",
+    "MOVING": "something that moves can come into the corridor before the UAV stands (speed/mover_mps)",
     "RECENTLY_BLOCKED": "something blocked within corridor/hold_s",
     "FROZEN_IMAGE": "images are bit-identical to earlier ones: the camera's driver",
     "AMBIGUOUS": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",

@@ -7,8 +7,9 @@ import matplotlib
 matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt  # noqa: E402
 
+FAULTS = ["own", "at_rest", "outside"]
 OUTCOMES = {"goal": "#1f4e79", "given_up": "#e6a700", "collision": "#d62728"}
-COLUMNS = ["world", "rule", "flights", "collisions", "goals where a way exists", "mean speed [m/s]", "top speed [m/s]",
+COLUMNS = ["world", "rule", "flights", "collisions", "own fault / hit at rest / from outside the view", "goals where a way exists", "mean speed [m/s]", "top speed [m/s]",
            "stops", "waited [s]", "nearest: median / least [m]"]
 
 
@@ -38,6 +39,7 @@ def summary(world, rule, rows):
 
     share = f" ({100 * len(reached) / len(with_way):.0f} %)" if with_way else ""
     return [world, rule, str(len(rows)), f"{collisions} ({low:.1f}–{high:.1f} %)",
+            " / ".join(str(sum(row["fault"] == fault for row in rows)) for fault in FAULTS),
             f"{len(reached)} of {len(with_way)}{share}", mean("mean_speed_mps"),
             f"{max(numbers(rows, 'top_speed_mps')):.2f}", mean("stops"), mean("waited_s"),
             f"{statistics.median(nearest):.2f} / {min(nearest):.2f}"]

@@ -82,6 +82,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       inspector_(geometry),
       query_inspector_(geometry),
       fan_inspector_(geometry),
+      movers_(geometry),
       recent_block_(config.corridor.hold_s),
       rectification_(geometry),
       motion_(geometry),
@@ -185,6 +186,7 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   earlier_.forget();
   earlier_matches_.forget();
+  movers_.forget();
   keeps_matches_ = clears_ = false;
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
@@ -241,6 +243,9 @@ void Pipeline::decide() {
   });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
   earlier_.look(disparity_, left_texture_.mask());
+  if (config_.speed.mover_mps > 0.0) {
+    movers_.look(report_.verdict.stamp_s, motion_.pose(), depth_m_, left_texture_.mask(), earlier_);
+  }
   if (report_.lidar_is_new) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), scale(), range_tracker_.point(met_m));
@@ -251,7 +256,7 @@ void Pipeline::decide() {
   if (report_.rows.fault != RowFault::None || motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
   if (!motion_.pose()) pair_reasons |= kNoMotion;
   Verdict& verdict = report_.verdict;
-  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));
+  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C), beforeMovers(box_C));
   const double smallest_m = smallestInspected(corridor);
   if (verdict.state == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);

@@ -337,6 +337,7 @@ TEST(CorridorStateMessage, SpeaksTheCoresStatesAndReasons) {
                                                       {CorridorState::AMBIGUOUS, kAmbiguous},
                                                       {CorridorState::WEAK_EVIDENCE, kWeakEvidence},
                                                       {CorridorState::LIDAR_NEARER, kLidarNearer},
+                                                      {CorridorState::MOVING, kMoving},
                                                       {CorridorState::NO_MOTION, kNoMotion}};
   for (const auto& [in_message, in_core] : reasons) EXPECT_EQ(in_message, in_core) << describeReasons(in_core);
 }

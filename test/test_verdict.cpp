@@ -29,6 +29,7 @@ TEST(Verdict, EveryReasonHasItsName) {
       {kAmbiguous, "AMBIGUOUS"},
       {kWeakEvidence, "WEAK_EVIDENCE"},
       {kLidarNearer, "LIDAR_NEARER"},
+      {kMoving, "MOVING"},
       {kNoMotion, "NO_MOTION"},
   };
   std::uint32_t reasons = 0;
@@ -44,16 +45,16 @@ TEST(Verdict, EveryReasonHasItsName) {
 }
 
 TEST(Verdict, FreeIsWhatIsLeftWhenNoReasonForbidsIt) {
-  constexpr std::uint32_t kBlocks = kOccupiedCell | kShortRange;
+  constexpr std::uint32_t kBlocks = kOccupiedCell | kShortRange | kMoving;
   constexpr std::uint32_t kHides = kUnobserved | kNoData | kNoPose | kBadImage | kBadCalibration | kNoDisparity |
                                    kRecentlyBlocked | kFrozenImage | kAmbiguous | kWeakEvidence | kLidarNearer;
-  for (std::uint32_t reasons = 0; reasons < 2 * kLidarNearer; ++reasons) {
+  for (std::uint32_t reasons = 0; reasons < 2 * kNoMotion; ++reasons) {
     const State expected = reasons & kBlocks ? State::Blocked : reasons & kHides ? State::Unknown : State::Free;
     ASSERT_EQ(stateOf(reasons), expected) << describeReasons(reasons);
   }
 }
 
-TEST(Verdict, AReasonThatNobodyKnowsIsNotFree) { EXPECT_EQ(stateOf(2 * kLidarNearer), State::Unknown); }
+TEST(Verdict, AReasonThatNobodyKnowsIsNotFree) { EXPECT_EQ(stateOf(2 * kNoMotion), State::Unknown); }
 
 TEST(Verdict, AFreshVerdictIsUnknown) {
   EXPECT_EQ(Verdict().state, State::Unknown);

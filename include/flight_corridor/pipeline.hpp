@@ -8,6 +8,7 @@
 #include "flight_corridor/corridor/clear_rays.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/free_areas.hpp"
+#include "flight_corridor/corridor/movers.hpp"
 #include "flight_corridor/corridor/recent_block.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -160,11 +161,12 @@ class Pipeline {
   void decide();
   PairEvidence evidence() const;
   Verdict judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked, std::uint32_t pair_reasons,
-                const BoxCells& remembered) const;
-  std::vector<Verdict> judge(const Fan& fan_C);
+                const BoxCells& remembered, double moving_m) const;
+  std::vector<Verdict> judge(const Fan& fan_C, bool are_ways);
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
   double beamEndInBox(const Box& box_C) const;
+  double beforeMovers(const Box& box_C) const { return movers_.freeUpTo(box_C, config_.speed); }
   bool beginsAtUav(const Box& box_C) const;
   BoxCells remembered(const Box& box_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }
@@ -183,6 +185,7 @@ class Pipeline {
   BoxInspector inspector_;
   mutable BoxInspector query_inspector_;
   BoxInspector fan_inspector_;
+  Movers movers_;
   RecentBlock recent_block_;
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;

@@ -13,6 +13,7 @@ Violations check(const SpeedConfig& config) {
   rules.require(0.0 < config.jerk_mps3 && config.jerk_mps3 <= 1000.0, "jerk_mps3", "above 0, up to 1000",
                 config.jerk_mps3);
   rules.require(0.0 <= config.margin_m && config.margin_m <= 5.0, "margin_m", "0 to 5", config.margin_m);
+  rules.require(0.0 <= config.mover_mps && config.mover_mps <= 10.0, "mover_mps", "0 to 10", config.mover_mps);
   return rules.broken();
 }
 
@@ -22,6 +23,11 @@ double safeSpeed(double free_m, double age_s, const SpeedConfig& config) {
   const double a = config.acceleration_mps2;
   const double b = 4.0 * a * a / config.jerk_mps3 + 2.0 * a * (config.delay_s + std::max(0.0, age_s));
   return 0.5 * (-b + std::sqrt(b * b + 8.0 * a * distance_m));
+}
+
+double timeToStand(double speed_mps, double age_s, const SpeedConfig& config) {
+  const double a = config.acceleration_mps2;
+  return config.delay_s + std::max(0.0, age_s) + 2.0 * a / config.jerk_mps3 + speed_mps / a;
 }
 
 }  // namespace flight_corridor

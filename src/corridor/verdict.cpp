@@ -41,7 +41,7 @@ const char* toString(State state) {
 
 State stateOf(std::uint32_t reasons) {
   constexpr std::uint32_t kInformation = kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
-  if (reasons & (kOccupiedCell | kShortRange)) return State::Blocked;
+  if (reasons & (kOccupiedCell | kShortRange | kMoving)) return State::Blocked;
   return reasons & ~kInformation ? State::Unknown : State::Free;
 }
 
@@ -50,11 +50,11 @@ std::string describeReasons(std::uint32_t reasons) {
       "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",       "NO_POSE",        "BAD_IMAGE",
       "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR",      "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
       "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER",
-      "",                 "NO_MOTION"};
+      "MOVING",           "NO_MOTION"};
   std::string text;
   std::uint32_t bit = 1;
   for (const char* name : kNames) {
-    if (reasons & bit && *name != '\0') text += (text.empty() ? "" : "|") + std::string(name);
+    if (reasons & bit) text += (text.empty() ? "" : "|") + std::string(name);
     bit <<= 1;
   }
   return text;
@@ -94,7 +94,7 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
 }
 
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box) {
-  constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kUnobserved | kRecentlyBlocked | kWeakEvidence |
+  constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kMoving | kUnobserved | kRecentlyBlocked | kWeakEvidence |
                                        kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
   if (verdict.state == State::Free) return box.size_m.x();
   const Unobserved& unobserved = evidence.unobserved;

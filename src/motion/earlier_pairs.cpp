@@ -4,12 +4,18 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "flight_corridor/stereo/match_error.hpp"
+
 namespace flight_corridor {
 
 namespace {
 
 constexpr std::size_t kMostPairs = 16;
 constexpr int kVotes = 2;             // earlier pairs that must have seen a place clear
+constexpr double kSurely = 3.0;        // sigmas of the motion: the place was clear beyond doubt
+constexpr double kMatchError_px = 1.0;  // of both matches there
+constexpr int kAsked = 4;               // of the oldest pairs: what came later, too, is not there yet
+constexpr int kClear = 5;               // of nine rays around a place; the others may be unknown
 constexpr int kStride_px = 8;         // between the matches of a pair that are kept
 constexpr int kVanished = 3;          // points of a square, of four, that are seen no more: at its edge others are
 
@@ -86,6 +92,35 @@ EarlierPairs::Plane EarlierPairs::plane(double depth_m) const {
                             static_cast<float>(error_m)});
   }
   return plane;
+}
+
+/// Along an edge matches of the one surface show the other: a place beside one is not certain.
+bool EarlierPairs::wasClear(const Eigen::Vector3d& p_C, double oldest_s) const {
+  int votes = 0, asked = 0;
+  for (auto at = pairs_.views().rbegin(); at != pairs_.views().rend() && asked < kAsked; ++at) {  // the oldest first
+    const Ring::View& view = *at;
+    if (view.age_s > oldest_s) continue;
+    ++asked;
+    const Eigen::Vector3d p_E = view.motion.T_K_C * p_C;
+    if (!(p_E.z() > 0.0)) continue;
+    const double error_m = kSurely * view.motion.error(p_E.z());
+    const Eigen::Vector2d pixel = geometry_.project(p_E);
+    const int reach = cvCeil(0.5 * kEdgeWidth_px + geometry_.calibration().fx_px * error_m / p_E.z());
+    const cv::Rect around(cvRound(pixel.x()) - reach, cvRound(pixel.y()) - reach, 2 * reach + 1, 2 * reach + 1);
+    const cv::Mat& met_px = view.kept->met_left_px;
+    if ((around & cv::Rect({0, 0}, met_px.size())) != around) continue;
+    const double beyond_px = geometry_.disparity(p_E.z() + error_m) - kMatchError_px;
+    int clear = 0, not_clear = 0;
+    for (const int v : {around.y, around.y + reach, around.y + 2 * reach}) {
+      for (const int u : {around.x, around.x + reach, around.x + 2 * reach}) {
+        const float ray_px = met_px.at<float>(v, u);
+        clear += ray_px < beyond_px;
+        not_clear += ray_px >= beyond_px && std::isfinite(ray_px);
+      }
+    }
+    if (not_clear == 0 && clear >= kClear && ++votes >= kVotes) return true;
+  }
+  return false;
 }
 
 /// In an earlier pair, either camera's rays around the place must be clear beyond it, as far as the pose may be wrong.

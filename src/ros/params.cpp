@@ -89,7 +89,8 @@ Fields bind(flight_corridor::SpeedConfig& c) {
   return {{"delay_s", &c.delay_s},
           {"acceleration_mps2", &c.acceleration_mps2},
           {"jerk_mps3", &c.jerk_mps3},
-          {"margin_m", &c.margin_m}};
+          {"margin_m", &c.margin_m},
+          {"mover_mps", &c.mover_mps}};
 }
 
 Fields bind(flight_corridor::FreeAreasConfig& c) {

@@ -12,6 +12,8 @@ namespace {
 constexpr double kTick_s = 0.02;    // of LiDAR, imu, and looks for collisions
 constexpr double kArrived_m = 1.5;  // from the goal
 constexpr double kWatched_m = 1.5;  // how far nearest_m looks
+constexpr double kStanding_mps = 0.2;
+constexpr double kRemembered_s = 2.0;  // what left the view so long ago may be where nobody knows
 
 World withRig(World world, const ClosedLoopOptions& options) {
   scaleImages(world.scene.rig, options.image_scale);
@@ -33,6 +35,20 @@ const char* toString(Ending ending) {
   return "";
 }
 
+const char* toString(Fault fault) {
+  switch (fault) {
+    case Fault::None:
+      break;
+    case Fault::Own:
+      return "own";
+    case Fault::AtRest:
+      return "at_rest";
+    case Fault::Outside:
+      return "outside";
+  }
+  return "";
+}
+
 ClosedLoop::ClosedLoop(World world, const ClosedLoopOptions& options, std::uint64_t seed)
     : world_(withRig(std::move(world), options)),
       options_(options),
@@ -42,9 +58,8 @@ ClosedLoop::ClosedLoop(World world, const ClosedLoopOptions& options, std::uint6
       imu_(seed) {}
 
 Flown ClosedLoop::fly(const Rule& rule, const std::function<void(const Observation&, const Way&)>& watch) {
-  SpeedConfig speed = options_.speed;
-  speed.delay_s = options_.quadrotor.latency_s;
-  Policy policy(speed, options_.processing_s + 1.0 / options_.rate_hz);
+  options_.speed.delay_s = options_.quadrotor.latency_s;
+  Policy policy(options_.speed, options_.processing_s + 1.0 / options_.rate_hz);
   Observation observation;
   observation.goal_W = world_.goal_W;
   for (std::size_t i = 0; flown_.ending == Ending::GivenUp; ++i) {
@@ -52,7 +67,7 @@ Flown ClosedLoop::fly(const Rule& rule, const std::function<void(const Observati
     flyUntil(stamp_s, observation);
     if (flown_.ending != Ending::GivenUp || stamp_s > options_.patience_s) break;
     observation.pair = takePair(i);
-    pairs_.emplace_back(quadrotor_.time_s(), quadrotor_.T_W_B());
+    pairs_.push_back({quadrotor_.time_s(), quadrotor_.T_W_B(), quadrotor_.velocity_W_mps().norm()});
     observation.own = {quadrotor_.T_W_B(), quadrotor_.velocity_W_mps()};
     if (!observation.imu.empty()) observation.own.T_W_B.linear() = observation.imu.back().R_W_B.toRotationMatrix();
     const Way way = rule(observation);
@@ -86,7 +101,7 @@ void ClosedLoop::flyUntil(double time_s, Observation& next) {
     flown_.time_s = quadrotor_.time_s();
     flown_.distance_m += (quadrotor_.T_W_B().translation() - before_W).norm();
     flown_.top_speed_mps = std::max(flown_.top_speed_mps, speed_mps);
-    if (speed_mps < 0.2) flown_.waited_s += quadrotor_.time_s() - before_s;
+    if (speed_mps < kStanding_mps) flown_.waited_s += quadrotor_.time_s() - before_s;
     if (is_moving_ && speed_mps < 0.1) ++flown_.stops;
     is_moving_ = is_moving_ ? speed_mps >= 0.1 : speed_mps > 0.5;
     feel(next);
@@ -129,17 +144,27 @@ void ClosedLoop::noteCollision(const Primitive& hit) {
   flown_.hit_speed_mps = quadrotor_.velocity_W_mps().norm();
   const Eigen::Vector3d away_O = hit.T_W_O.inverse() * quadrotor_.T_W_B().translation();
   const Eigen::Vector3d place_W = hit.T_W_O * away_O.cwiseMin(hit.half_m).cwiseMax(-hit.half_m);
-  const auto isInView = [&](const std::pair<double, Eigen::Isometry3d>& pair) {
-    const double before_s = flown_.time_s - pair.first;
-    const Camera camera = leftCamera(world_.scene.rig, pair.second);
-    const Eigen::Vector3d place_C = camera.T_W_C.inverse() * (place_W - before_s * hit.velocity_W);
-    const double u_px = camera.fx_px * place_C.x() / place_C.z() + camera.cx_px;
-    const double v_px = camera.fy_px * place_C.y() / place_C.z() + camera.cy_px;
-    return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px &&
-           v_px < camera.size_px.height;
-  };
-  const auto last = std::find_if(pairs_.rbegin(), pairs_.rend(), isInView);
-  flown_.out_of_view_s = last == pairs_.rend() ? kInfinity : flown_.time_s - last->first;
+  const auto placeAt = [&](double time_s) { return place_W - (flown_.time_s - time_s) * hit.velocity_W; };
+  flown_.out_of_view_s = kInfinity;
+  flown_.fault = flown_.hit_speed_mps < kStanding_mps ? Fault::AtRest : Fault::Outside;
+  for (const Pair& pair : pairs_) {
+    if (!isInView(pair, placeAt(pair.time_s))) continue;
+    const double since_s = flown_.time_s - pair.time_s;
+    flown_.out_of_view_s = since_s;
+    const double stands_s = timeToStand(pair.speed_mps, options_.processing_s + 1.0 / options_.rate_hz, options_.speed);
+    const bool is_in_time = stands_s <= since_s && since_s <= stands_s + kRemembered_s;
+    if (is_in_time && flown_.fault == Fault::Outside) flown_.fault = Fault::Own;
+  }
+}
+
+/// Of the left camera, hidden or not.
+bool ClosedLoop::isInView(const Pair& pair, const Eigen::Vector3d& place_W) const {
+  const Camera camera = leftCamera(world_.scene.rig, pair.T_W_B);
+  const Eigen::Vector3d place_C = camera.T_W_C.inverse() * place_W;
+  const double u_px = camera.fx_px * place_C.x() / place_C.z() + camera.cx_px;
+  const double v_px = camera.fy_px * place_C.y() / place_C.z() + camera.cy_px;
+  return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px &&
+         v_px < camera.size_px.height;
 }
 
 }  // namespace flight_corridor::sim

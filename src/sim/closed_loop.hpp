@@ -43,6 +43,16 @@ using Rule = std::function<Way(const Observation&)>;
 
 enum class Ending : std::uint8_t { Goal, Collision, GivenUp };
 
+/// Whose fault a collision is, by passive motion safety (Bouraine, Fraichard and Salhi 2012).
+enum class Fault : std::uint8_t {
+  None,     ///< No collision.
+  Own,      ///< It moved, and had seen the place that it hit, in the last two seconds, in time to stand.
+  AtRest,   ///< It stood: it was hit.
+  Outside,  ///< What it hit came from outside its view while it could not stand yet.
+};
+/// "", "own", "at_rest" or "outside".
+const char* toString(Fault fault);
+
 /// "goal", "collision" or "given_up".
 const char* toString(Ending ending);
 
@@ -55,6 +65,7 @@ struct Flown {
   double nearest_m = kInfinity;  ///< Of the airframe to anything, at last 0 in a collision.
   std::optional<Primitive> hit;  ///< The primitive that was hit, at its place then.
   double hit_speed_mps = kNaN;   ///< Of the UAV.
+  Fault fault = Fault::None;
   double out_of_view_s = kNaN;   ///< How long before the collision the place that was hit was last in the left camera's
                                  ///< view, hidden or not.
 };
@@ -86,7 +97,14 @@ class ClosedLoop {
   Lidar lidar_;
   Imu imu_;
   Flown flown_;
-  std::vector<std::pair<double, Eigen::Isometry3d>> pairs_;  // time [s] and pose T_W_B of each pair
+  struct Pair {
+    double time_s;
+    Eigen::Isometry3d T_W_B;
+    double speed_mps;
+  };
+  bool isInView(const Pair& pair, const Eigen::Vector3d& place_W) const;
+
+  std::vector<Pair> pairs_;  // so far
   bool is_moving_ = false;
 };
 

@@ -51,14 +51,14 @@ std::string describe(const sim::Primitive& hit) {
 void writeRow(const Options& options, const sim::Flown& flown, bool way_exists) {
   std::ofstream file(options.table);
   file << "world,seed,rule,outcome,way_exists,time_s,distance_m,mean_speed_mps,top_speed_mps,waited_s,stops,nearest_m,"
-          "hit,stamp,image_scale,lidar_fault,baseline_error,hit_speed_mps,out_of_view_s\n"
+          "hit,stamp,image_scale,lidar_fault,baseline_error,hit_speed_mps,out_of_view_s,fault\n"
        << options.world << ',' << options.seed << ',' << options.rule << ',' << sim::toString(flown.ending) << ','
        << way_exists
        << cv::format(",%.2f,%.2f,%.3f,%.3f,%.2f,%d,%.3f,", flown.time_s, flown.distance_m,
                      flown.distance_m / flown.time_s, flown.top_speed_mps, flown.waited_s, flown.stops, flown.nearest_m)
        << (flown.hit ? describe(*flown.hit) : "") << cv::format(",%.2f,", sim::kFirstStamp_s + flown.time_s)
        << options.loop.image_scale << ',' << options.lidar_fault << ',' << options.loop.baseline_error
-       << cv::format(",%.2f,%.2f\n", flown.hit_speed_mps, flown.out_of_view_s);
+       << cv::format(",%.2f,%.2f,%s\n", flown.hit_speed_mps, flown.out_of_view_s, sim::toString(flown.fault));
   if (!file.flush()) throw std::runtime_error(options.table + ": cannot be written");
 }
 

@@ -10,6 +10,7 @@ struct SpeedConfig {
   double acceleration_mps2 = 3.0;  ///< Deceleration when it brakes.
   double jerk_mps3 = 8.0;          ///< With which the deceleration builds up.
   double margin_m = 0.3;           ///< Left between the stopped UAV and space that is not free.
+  double mover_mps = 1.6;          ///< Speed at which others may move; 0: nothing moves.
 };
 /// Every broken rule.
 Violations check(const SpeedConfig& config);
@@ -19,5 +20,8 @@ Violations check(const SpeedConfig& config);
 /// @param free_m from the UAV on [m]; NaN: not known.  @param age_s of the verdict when it is acted upon.
 /// @return 0 if nothing is known to be free.
 double safeSpeed(double free_m, double age_s, const SpeedConfig& config);
+
+/// How long it takes until the UAV stands, by that formula: t + 2a/j + v/a [s].
+double timeToStand(double speed_mps, double age_s, const SpeedConfig& config);
 
 }  // namespace flight_corridor

@@ -43,8 +43,9 @@ enum Reason : std::uint32_t {
   /// UNKNOWN: the LiDAR measures less than stereo, persistently or by more than the rig explains, and stereo does not
   /// show it beside the beam; or it reports an obstacle too close to measure.
   kLidarNearer = 1u << 16,
+  kMoving = 1u << 17,  ///< BLOCKED: something that moves can have come into the box before the UAV stands.
   kNoMotion = 1u << 18,  ///< Information: neither tf nor the images tell how the camera moved; earlier pairs are not
-                         ///< asked. (1 << 17 is kept for what moves.)
+                         ///< asked.
 };
 
 /// The rule: BLOCKED or UNKNOWN if a reason demands it (BLOCKED before UNKNOWN), otherwise FREE. Unknown bits yield

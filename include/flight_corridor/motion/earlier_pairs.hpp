@@ -44,6 +44,11 @@ class EarlierPairs {
     return vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
   }
 
+  /// Whether the place of a point was clear before, by more than both its and the rays' errors, and so was what is around
+  /// it: in as many pairs as must agree, none of them older than this.
+  /// @param p_C [m].
+  bool wasClear(const Eigen::Vector3d& p_C, double oldest_s) const;
+
   /// A plane of the camera at a depth, as earlier pairs see it.
   class Plane {
    public:

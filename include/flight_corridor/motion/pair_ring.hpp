@@ -43,7 +43,9 @@ class PairRing {
     while (!pairs_.empty() && !(stamp_s - pairs_.front().stamp_s <= memory_s)) pairs_.pop_front();
     if (!pose) return;
     for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
-      if (const auto motion = motionBetween(pair->pose, *pose)) views_.push_back({&pair->kept, *motion});
+      if (const auto motion = motionBetween(pair->pose, *pose)) {
+        views_.push_back({&pair->kept, *motion, stamp_s - pair->stamp_s});
+      }
     }
   }
 
@@ -56,6 +58,7 @@ class PairRing {
   struct View {
     const Kept* kept;
     RelativePose motion;  ///< From it until now.
+    double age_s;
   };
   /// The pairs from which the motion until now is known well enough, the newest first.
   const std::vector<View>& views() const { return views_; }
