@@ -186,7 +186,6 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
 void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
   earlier_.forget();
   earlier_matches_.forget();
-  movers_.forget();
   keeps_matches_ = clears_ = false;
   if (!motion_.pose()) return obstacles_.clear();
   const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
@@ -244,7 +243,8 @@ void Pipeline::decide() {
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
   earlier_.look(disparity_, left_texture_.mask());
   if (config_.speed.mover_mps > 0.0) {
-    movers_.look(report_.verdict.stamp_s, motion_.pose(), depth_m_, left_texture_.mask(), earlier_);
+    const auto pose = image_faults_ == 0 ? motion_.pose() : std::nullopt;
+    movers_.look(report_.verdict.stamp_s, pose, depth_m_, left_texture_.mask(), earlier_);
   }
   if (report_.lidar_is_new) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
@@ -256,7 +256,7 @@ void Pipeline::decide() {
   if (report_.rows.fault != RowFault::None || motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
   if (!motion_.pose()) pair_reasons |= kNoMotion;
   Verdict& verdict = report_.verdict;
-  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C), beforeMovers(box_C));
+  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));
   const double smallest_m = smallestInspected(corridor);
   if (verdict.state == State::Blocked) {
     recent_block_.onBlocked(verdict, shown.patches, smallest_m);
@@ -265,6 +265,7 @@ void Pipeline::decide() {
   }
   const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
   if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
+  verdict.limit(movers_.freeUpTo(box_C, config_.speed));
   report_.clears = clears_ = isTrusted();
   keeps_matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;
   updateObstacles();

@@ -64,18 +64,16 @@ BoxCells Pipeline::remembered(const Box& box_C) const {
 
 /// The verdict on any box, except for what belongs to the corridor, a query or a fan alone.
 /// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
-/// @param moving_m how far what moves lets the UAV fly along it.
 Verdict Pipeline::judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked,
-                        std::uint32_t pair_reasons, const BoxCells& remembered, double moving_m) const {
+                        std::uint32_t pair_reasons, const BoxCells& remembered) const {
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
   verdict.reasons = pair_reasons | reasonsOf(shown, asked, verdict.clear_distance_m);
   verdict.unknown_fraction = shown.unobserved.fraction;
   verdict.block(kShortRange, beamEndInBox(box_C));
   verdict.block(kOccupiedCell, remembered.clear_distance_m);
-  if (moving_m < kInfinity) verdict.reasons |= kMoving;
   verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = std::min(moving_m, freeDistance(verdict, shown, asked, box_C));
+  verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
   return verdict;
 }
 
@@ -97,9 +95,7 @@ Verdict Pipeline::query(const Box& box) const {
       query_inspector_.inspect(box_C, evidence(), asked, {lidarDisparity(box_C)}, disparity_estimator_.workers())
           .front();
   const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
-  const double moving_m = is_way ? beforeMovers(box_C) : kInfinity;
-  Verdict verdict =
-      judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C), moving_m);
+  Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
   double unknown = unknownShare(box_C, shown.unobserved);
   if (!is_way) verdict.unknown_fraction = unknown;
   if (is_cleared_) {
@@ -113,14 +109,14 @@ Verdict Pipeline::query(const Box& box) const {
   if (remembers() && unknown <= kMostUnknown && !shown.unobserved.hasHole()) {  // memory says the rest
     verdict.reasons &= ~kUnobserved;
     verdict.state = stateOf(verdict.reasons);
-    verdict.free_distance_m = std::min(moving_m, freeDistance(verdict, shown, asked, box_C));
+    verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
   }
+  if (is_way) verdict.limit(movers_.freeUpTo(box_C, config_.speed));
   return verdict;
 }
 
 /// By the corridor's rule: each box begins at the UAV.
-/// @param are_ways the UAV may fly along its boxes.
-std::vector<Verdict> Pipeline::judge(const Fan& fan_C, bool are_ways) {
+std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
   std::vector<Verdict> verdicts(fan_C.size());
   if (depth_m_.empty()) {
     for (Verdict& verdict : verdicts) verdict.reasons = kNoData;
@@ -133,8 +129,7 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, bool are_ways) {
       fan_inspector_.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
   for (int i = 0; i < fan_C.size(); ++i) {
     const Box box_C = fan_C.box(i);
-    verdicts[i] = judge(box_C, shown[i], corridor, report_.verdict.reasons & kMapInDoubt, remembered(box_C),
-                        are_ways ? beforeMovers(box_C) : kInfinity);
+    verdicts[i] = judge(box_C, shown[i], corridor, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
     if (is_cleared_) verdicts[i].withhold(kUnobserved);
   }
   return verdicts;
@@ -144,9 +139,12 @@ const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C
   const FreeAreasConfig& config = config_.free_areas;
   const Fan fan_C(boxInCamera(), gridAngles(config.yaw_rad, config.step_rad),
                   gridAngles(config.pitch_rad, config.step_rad));
-  const std::vector<Verdict> verdicts = judge(fan_C, true);
+  const std::vector<Verdict> verdicts = judge(fan_C);
   free_areas_ = areaGrid(config);
-  for (std::size_t i = 0; i < verdicts.size(); ++i) free_areas_.areas[i].verdict = verdicts[i];
+  for (int i = 0; i < fan_C.size(); ++i) {
+    free_areas_.areas[i].verdict = verdicts[i];
+    free_areas_.areas[i].verdict.limit(movers_.freeUpTo(fan_C.box(i), config_.speed));
+  }
   const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
   free_areas_.best = bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C), config.step_rad);
   return free_areas_;
@@ -159,7 +157,7 @@ LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   const Box corridor_C = boxInCamera();
   Box ahead_C{Eigen::Isometry3d(R_C_H), {scan.max_range_m, width_m, corridor_C.size_m.z()}};
   ahead_C.T_M_F.translate(R_C_H.col(2).dot(corridor_C.T_M_F.translation()) * Eigen::Vector3d::UnitZ());
-  const std::vector<Verdict> verdicts = judge({ahead_C, gridAngles(-scan.first_yaw_rad, scan.step_rad), {0.0}}, false);
+  const std::vector<Verdict> verdicts = judge({ahead_C, gridAngles(-scan.first_yaw_rad, scan.step_rad), {0.0}});
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const double range_m = verdicts[i].state == State::Free ? kInfinity : verdicts[i].free_distance_m;
     if (range_m > 0.0) scan.range_m[i] = range_m;

@@ -92,7 +92,7 @@ TEST_F(MoversTest, WhatTheCameraFliesPastDoesNotMove) {
 TEST_F(MoversTest, WhatStoppedIsForgottenSoon) {
   walkAcross(10);
   ASSERT_LT(freeAhead(), 4.0);
-  for (int i = 0; i < 10; ++i) see(100 + 9 * kStep_px);
+  for (int i = 0; i < 18; ++i) see(100 + 9 * kStep_px);
   EXPECT_EQ(freeAhead(), kInfinity);
 }
 
@@ -106,11 +106,31 @@ TEST_F(MoversTest, WhatLeftTheViewMayComeBackForTwoSeconds) {
   EXPECT_EQ(freeAhead(), kInfinity);
 }
 
-TEST_F(MoversTest, AnotherSeriesOfPosesKnowsNoMovers) {
+TEST_F(MoversTest, WhileTheMotionIsUnknownNothingIsFreeBesideAMover) {
+  walkAcross(10);
+  ASSERT_GT(freeAhead(), 0.0);
+  movers_.look(stamp_s_ + 0.1, std::nullopt, cv::Mat(), cv::Mat(), earlier_);
+  EXPECT_EQ(freeAhead(), 0.0);
+  movers_.look(stamp_s_ + 2.1, std::nullopt, cv::Mat(), cv::Mat(), earlier_);
+  EXPECT_EQ(freeAhead(), kInfinity);
+}
+
+TEST_F(MoversTest, PosesOfAnotherSeriesKnowNoMovers) {
   walkAcross(10);
   ASSERT_LT(freeAhead(), 4.0);
-  movers_.look(stamp_s_, std::nullopt, cv::Mat(), cv::Mat(), earlier_);
+  const cv::Mat depth_m(geometry_.size(), CV_32FC1, cv::Scalar(kWall_m)),
+      textured(geometry_.size(), CV_8UC1, cv::Scalar(255));
+  earlier_.forget();
+  movers_.look(stamp_s_ + 0.1, poseAt(0.0, 2), depth_m, textured, earlier_);
   EXPECT_EQ(freeAhead(), kInfinity);
+}
+
+TEST_F(MoversTest, BehindAnObstacleItIsNotForgotten) {
+  walkAcross(10);
+  ASSERT_LT(freeAhead(), 4.0);
+  const cv::Mat near_m(geometry_.size(), CV_32FC1, cv::Scalar(1.5)), textured(geometry_.size(), CV_8UC1, cv::Scalar(0));
+  for (int i = 1; i <= 15; ++i) movers_.look(stamp_s_ + 0.1 * i, poseAt(0.0), near_m, textured, earlier_);
+  EXPECT_LT(freeAhead(), 4.0);
 }
 
 /// A flight of which the pipeline is told the poses.
@@ -145,8 +165,7 @@ TEST(PipelineMovers, WhoWalksInBlocksBeforeTheyAreThere) {
   const Flight flight("intruder");
   Pipeline pipeline = flight.pipeline(1.6), without = flight.pipeline(0.0);
   std::size_t first_moving = flight.size(), i = 0;
-  for (; !flight.isBlocked(i); ++i) {
-    ASSERT_LT(i, flight.size());
+  for (; i < flight.size() && !flight.isBlocked(i); ++i) {
     const StereoFrame frame = flight.frame(i);
     const Verdict verdict = pipeline.process(frame, flight.pose(frame.stamp_s)).verdict;
     if (verdict.reasons & kMoving) {
@@ -156,6 +175,7 @@ TEST(PipelineMovers, WhoWalksInBlocksBeforeTheyAreThere) {
     }
     EXPECT_FALSE(without.process(frame, flight.pose(frame.stamp_s)).verdict.reasons & kMoving);
   }
+  ASSERT_LT(i, flight.size());
   EXPECT_LE(first_moving + 5, i) << "BLOCKED half a second before they are in the box";
 }
 

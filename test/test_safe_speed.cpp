@@ -23,6 +23,12 @@ double stoppingDistance(double speed_mps, double delay_s, const SpeedConfig& con
   return distance_m;
 }
 
+TEST(SafeSpeed, TimeToStandIsThatOfTheDistanceFormula) {
+  const SpeedConfig config;
+  EXPECT_DOUBLE_EQ(timeToStand(0.0, 0.2, config), 0.3 + 0.2 + 2.0 * 3.0 / 8.0);
+  EXPECT_DOUBLE_EQ(timeToStand(3.0, 0.0, config), 0.3 + 2.0 * 3.0 / 8.0 + 1.0);
+}
+
 TEST(SafeSpeed, IsTheNumberOfTheLaw) {
   SpeedConfig config;
   config.delay_s = 0.0;

@@ -55,6 +55,7 @@ TEST(ClosedLoop, ACollisionEndsTheFlightAtWhatIsHit) {
   EXPECT_NEAR(flown.distance_m, 5.0 - 0.2 - 0.25, 0.1);
   EXPECT_GT(flown.hit_speed_mps, 1.5);
   EXPECT_LE(flown.out_of_view_s, 0.15);  // the trunk was ahead in the last pair
+  EXPECT_EQ(flown.fault, Fault::Own);
 }
 
 TEST(ClosedLoop, TellsForHowLongWhatWasHitHadBeenOutOfView) {
@@ -67,6 +68,7 @@ TEST(ClosedLoop, TellsForHowLongWhatWasHitHadBeenOutOfView) {
   ASSERT_TRUE(flown.hit);
   EXPECT_EQ(flown.out_of_view_s, kInfinity);
   EXPECT_LT(flown.hit_speed_mps, 0.05);
+  EXPECT_EQ(flown.fault, Fault::AtRest);
 }
 
 TEST(ClosedLoop, GivesUpWhereThereIsNoWay) {

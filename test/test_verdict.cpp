@@ -56,6 +56,22 @@ TEST(Verdict, FreeIsWhatIsLeftWhenNoReasonForbidsIt) {
 
 TEST(Verdict, AReasonThatNobodyKnowsIsNotFree) { EXPECT_EQ(stateOf(2 * kNoMotion), State::Unknown); }
 
+TEST(Verdict, WhatMovesBlocksAndMakesNothingFree) {
+  Verdict unknown;
+  unknown.reasons = kRecentlyBlocked;
+  unknown.limit(kInfinity);
+  EXPECT_EQ(unknown.reasons, kRecentlyBlocked);
+  unknown.limit(3.0);
+  EXPECT_EQ(unknown.state, State::Blocked);
+  EXPECT_EQ(unknown.free_distance_m, 0.0);
+  Verdict free;
+  free.reasons = 0;
+  free.free_distance_m = 4.0;
+  free.limit(3.0);
+  EXPECT_EQ(free.state, State::Blocked);
+  EXPECT_EQ(free.free_distance_m, 3.0);
+}
+
 TEST(Verdict, AFreshVerdictIsUnknown) {
   EXPECT_EQ(Verdict().state, State::Unknown);
   EXPECT_STREQ(toString(Verdict().state), "UNKNOWN");

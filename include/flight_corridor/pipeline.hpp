@@ -90,7 +90,7 @@ class Pipeline {
   /// @return valid until the next call.
   const AreaGrid& freeAreas(const std::optional<Eigen::Vector3d>& goal_C = std::nullopt);
 
-  /// The nearest obstacles in the view, by the corridor's rule and the last pair.
+  /// The nearest obstacles in the view, where they are now, by the corridor's rule and the last pair.
   /// @param R_C_H turns vectors of a level frame, x along the heading, z up, into C.
   LevelScan levelScan(const Eigen::Matrix3d& R_C_H);
 
@@ -161,12 +161,11 @@ class Pipeline {
   void decide();
   PairEvidence evidence() const;
   Verdict judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked, std::uint32_t pair_reasons,
-                const BoxCells& remembered, double moving_m) const;
-  std::vector<Verdict> judge(const Fan& fan_C, bool are_ways);
+                const BoxCells& remembered) const;
+  std::vector<Verdict> judge(const Fan& fan_C);
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
   double beamEndInBox(const Box& box_C) const;
-  double beforeMovers(const Box& box_C) const { return movers_.freeUpTo(box_C, config_.speed); }
   bool beginsAtUav(const Box& box_C) const;
   BoxCells remembered(const Box& box_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }

@@ -72,6 +72,13 @@ void Verdict::withhold(Reason reason) {
   free_distance_m = 0.0;
 }
 
+void Verdict::limit(double moving_m) {
+  if (moving_m == kInfinity) return;
+  reasons |= kMoving;
+  state = stateOf(reasons);
+  free_distance_m = std::min(free_distance_m, moving_m);
+}
+
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m) {
   const double smallest_m2 = std::pow(smallestInspected(config), 2);
   std::uint32_t reasons = 0;
@@ -94,7 +101,7 @@ std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& confi
 }
 
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box) {
-  constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kMoving | kUnobserved | kRecentlyBlocked | kWeakEvidence |
+  constexpr std::uint32_t kSaysWhere = kOccupiedCell | kShortRange | kUnobserved | kRecentlyBlocked | kWeakEvidence |
                                        kDisagreement | kNoLidar | kLidarRejected | kNoRangeObserved | kNoMotion;
   if (verdict.state == State::Free) return box.size_m.x();
   const Unobserved& unobserved = evidence.unobserved;

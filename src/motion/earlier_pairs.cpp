@@ -11,13 +11,14 @@ namespace flight_corridor {
 namespace {
 
 constexpr std::size_t kMostPairs = 16;
-constexpr int kVotes = 2;             // earlier pairs that must have seen a place clear
-constexpr double kSurely = 3.0;        // sigmas of the motion: the place was clear beyond doubt
+constexpr int kVotes = 2;               // earlier pairs that must have seen a place clear
+constexpr double kSurely = 3.0;         // sigmas of the motion: the place was clear beyond doubt
 constexpr double kMatchError_px = 1.0;  // of both matches there
+constexpr double kNearest_m = 0.1;      // of places that are asked about
 constexpr int kAsked = 4;               // of the oldest pairs: what came later, too, is not there yet
 constexpr int kClear = 5;               // of nine rays around a place; the others may be unknown
-constexpr int kStride_px = 8;         // between the matches of a pair that are kept
-constexpr int kVanished = 3;          // points of a square, of four, that are seen no more: at its edge others are
+constexpr int kStride_px = 8;           // between the matches of a pair that are kept
+constexpr int kVanished = 3;            // points of a square, of four, that are seen no more: at its edge others are
 
 }  // namespace
 
@@ -102,10 +103,12 @@ bool EarlierPairs::wasClear(const Eigen::Vector3d& p_C, double oldest_s) const {
     if (view.age_s > oldest_s) continue;
     ++asked;
     const Eigen::Vector3d p_E = view.motion.T_K_C * p_C;
-    if (!(p_E.z() > 0.0)) continue;
+    if (!(p_E.z() > kNearest_m)) continue;
     const double error_m = kSurely * view.motion.error(p_E.z());
     const Eigen::Vector2d pixel = geometry_.project(p_E);
-    const int reach = cvCeil(0.5 * kEdgeWidth_px + geometry_.calibration().fx_px * error_m / p_E.z());
+    const double reach_px = 0.5 * kEdgeWidth_px + geometry_.calibration().fx_px * error_m / p_E.z();
+    if (!geometry_.contains(pixel) || !(reach_px < geometry_.size().width)) continue;
+    const int reach = cvCeil(reach_px);
     const cv::Rect around(cvRound(pixel.x()) - reach, cvRound(pixel.y()) - reach, 2 * reach + 1, 2 * reach + 1);
     const cv::Mat& met_px = view.kept->met_left_px;
     if ((around & cv::Rect({0, 0}, met_px.size())) != around) continue;

@@ -146,7 +146,9 @@ void ClosedLoop::noteCollision(const Primitive& hit) {
   const Eigen::Vector3d place_W = hit.T_W_O * away_O.cwiseMin(hit.half_m).cwiseMax(-hit.half_m);
   const auto placeAt = [&](double time_s) { return place_W - (flown_.time_s - time_s) * hit.velocity_W; };
   flown_.out_of_view_s = kInfinity;
-  flown_.fault = flown_.hit_speed_mps < kStanding_mps ? Fault::AtRest : Fault::Outside;
+  flown_.fault = hit.velocity_W.isZero()                ? Fault::Own
+                 : flown_.hit_speed_mps < kStanding_mps ? Fault::AtRest
+                                                        : Fault::Outside;
   for (const Pair& pair : pairs_) {
     if (!isInView(pair, placeAt(pair.time_s))) continue;
     const double since_s = flown_.time_s - pair.time_s;
@@ -163,8 +165,7 @@ bool ClosedLoop::isInView(const Pair& pair, const Eigen::Vector3d& place_W) cons
   const Eigen::Vector3d place_C = camera.T_W_C.inverse() * place_W;
   const double u_px = camera.fx_px * place_C.x() / place_C.z() + camera.cx_px;
   const double v_px = camera.fy_px * place_C.y() / place_C.z() + camera.cy_px;
-  return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px &&
-         v_px < camera.size_px.height;
+  return place_C.z() > 0.0 && 0.0 <= u_px && u_px < camera.size_px.width && 0.0 <= v_px && v_px < camera.size_px.height;
 }
 
 }  // namespace flight_corridor::sim

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
@@ -46,9 +45,9 @@ enum class Ending : std::uint8_t { Goal, Collision, GivenUp };
 /// Whose fault a collision is, by passive motion safety (Bouraine, Fraichard and Salhi 2012).
 enum class Fault : std::uint8_t {
   None,     ///< No collision.
-  Own,      ///< It moved, and had seen the place that it hit, in the last two seconds, in time to stand.
-  AtRest,   ///< It stood: it was hit.
-  Outside,  ///< What it hit came from outside its view while it could not stand yet.
+  Own,      ///< It hit what stands; or it moved, and had seen what it hit in time to stand, up to two seconds before.
+  AtRest,   ///< It stood: it was hit by what moves.
+  Outside,  ///< What it hit moves, and came from outside its view while it could not stand yet.
 };
 /// "", "own", "at_rest" or "outside".
 const char* toString(Fault fault);
@@ -66,8 +65,8 @@ struct Flown {
   std::optional<Primitive> hit;  ///< The primitive that was hit, at its place then.
   double hit_speed_mps = kNaN;   ///< Of the UAV.
   Fault fault = Fault::None;
-  double out_of_view_s = kNaN;   ///< How long before the collision the place that was hit was last in the left camera's
-                                 ///< view, hidden or not.
+  double out_of_view_s = kNaN;  ///< How long before the collision the place that was hit was last in the left camera's
+                                ///< view, hidden or not.
 };
 
 /// Flies a world by a rule.

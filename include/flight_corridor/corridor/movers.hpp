@@ -22,7 +22,8 @@ class Movers {
   explicit Movers(const StereoGeometry& geometry) : geometry_(geometry) {}
 
   /// A pair, not older than the last.
-  /// @param pose of the camera; absent: unknown, nothing is known to move.
+  /// @param pose of the camera; absent: unknown. Then nothing new is seen to move, and while something did, nothing is
+  /// free.
   /// @param depth_m CV_32FC1 of its matches [m], NaN = no match.  @param textured CV_8UC1: where they are no chance.
   /// @param earlier pairs, as seen from now.
   void look(double stamp_s, const std::optional<CameraPose>& pose, const cv::Mat& depth_m, const cv::Mat& textured,
@@ -31,8 +32,6 @@ class Movers {
   /// How far a UAV may fly along a box's axis so that it stands before anything that moves can have come there, which
   /// may turn to anywhere at speed.mover_mps [m]; +inf: to the box's end.
   double freeUpTo(const Box& box_C, const SpeedConfig& speed) const;
-
-  void forget() { tracks_.clear(); }
 
  private:
   /// Matches side by side that stand where it was clear.
@@ -54,11 +53,13 @@ class Movers {
   void findArrivals(const cv::Mat& depth_m, const cv::Mat& textured, const EarlierPairs& earlier);
   void follow(const Patch& patch, const cv::Mat& depth_m);
   bool moves(const std::deque<Sighting>& sightings, const cv::Mat& depth_m) const;
-  bool isLost(const Track& track) const;
+  bool seesThrough(const Eigen::Vector3d& p_V, const cv::Mat& depth_m) const;
+  bool isLost(const Track& track, const cv::Mat& depth_m) const;
 
   StereoGeometry geometry_;
   double stamp_s_ = kNaN;
   Eigen::Isometry3d T_V_C_ = Eigen::Isometry3d::Identity();
+  bool has_pose_ = false;
   int series_ = 0;
   cv::Mat arrived_, labels_;  // of some of the matches
   std::vector<Patch> arrivals_;

@@ -69,6 +69,8 @@ struct Verdict {
   void block(Reason reason, double distance_m);
   /// Adds a reason against FREE that does not say where: nothing is known to be free.
   void withhold(Reason reason);
+  /// @param moving_m what moves lets the UAV fly so far; +inf: to the end.
+  void limit(double moving_m);
 };
 
 /// Reasons from a pair's evidence about a box.
