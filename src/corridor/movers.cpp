@@ -47,7 +47,7 @@ void Movers::findArrivals(const cv::Mat& depth_m, const cv::Mat& textured, const
   arrivals_.clear();
   if (earlier.empty()) return;
   const int stride_px = std::max(1, depth_m.cols / kColumns);
-  arrived_.create(depth_m.rows / stride_px, depth_m.cols / stride_px, CV_8UC1);
+  arrived_.create((depth_m.rows + stride_px - 1) / stride_px, (depth_m.cols + stride_px - 1) / stride_px, CV_8UC1);
   for (int row = 0; row < arrived_.rows; ++row) {
     const int v = row * stride_px;
     const float *depth = depth_m.ptr<float>(v), *above = depth_m.ptr<float>(std::max(0, v - stride_px));
