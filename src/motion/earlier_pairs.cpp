@@ -113,6 +113,8 @@ bool EarlierPairs::wasClear(const Eigen::Vector3d& p_C, double oldest_s) const {
     const cv::Mat& met_px = view.kept->met_left_px;
     if ((around & cv::Rect({0, 0}, met_px.size())) != around) continue;
     const double beyond_px = geometry_.disparity(p_E.z() + error_m) - kMatchError_px;
+    const float centre_px = met_px.at<float>(around.y + reach, around.x + reach);
+    if (std::isfinite(centre_px) && centre_px >= beyond_px) continue;  // most places: looked at first, to save time
     int clear = 0, not_clear = 0;
     for (const int v : {around.y, around.y + reach, around.y + 2 * reach}) {
       for (const int u : {around.x, around.x + reach, around.x + 2 * reach}) {
