@@ -9,8 +9,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 FAULTS = ["own", "at_rest", "outside"]
 OUTCOMES = {"goal": "#1f4e79", "given_up": "#e6a700", "collision": "#d62728"}
-COLUMNS = ["world", "rule", "flights", "collisions", "own fault / hit at rest / from outside the view", "goals where a way exists", "mean speed [m/s]", "top speed [m/s]",
-           "stops", "waited [s]", "nearest: median / least [m]"]
+COLUMNS = ["world", "rule", "flights", "collisions", "own fault / hit at rest / from outside the view",
+           "goals where a way exists", "mean speed [m/s]", "top speed [m/s]", "stops", "waited [s]",
+           "nearest: median / least [m]"]
 
 
 def wilson(count, total):

@@ -176,6 +176,11 @@ TEST(PipelineMovers, WhoWalksInBlocksBeforeTheyAreThere) {
     EXPECT_FALSE(without.process(frame, flight.pose(frame.stamp_s)).verdict.reasons & kMoving);
   }
   ASSERT_LT(i, flight.size());
+  const AreaGrid& areas = pipeline.freeAreas();
+  EXPECT_TRUE(areas.areas[areas.areas.size() / 2].verdict.reasons & kMoving) << "straight ahead";
+  EXPECT_EQ(pipeline.query(pipeline.box()).state, State::Blocked);
+  const LevelScan scan = pipeline.levelScan(opticalFromForward().linear());
+  EXPECT_EQ(scan.range_m[scan.range_m.size() / 2], kInfinity) << "there is nothing ahead yet";
   EXPECT_LE(first_moving + 5, i) << "BLOCKED half a second before they are in the box";
 }
 
