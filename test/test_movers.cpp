@@ -141,6 +141,7 @@ class Flight {
   Pipeline pipeline(double mover_mps) const {
     Config config;
     config.speed.mover_mps = mover_mps;
+    config.corridor.smallest_obstacle_m = 0.08;
     return Pipeline(config, StereoGeometry(simulation_.calibration()), Rig());
   }
   std::size_t size() const { return simulation_.frameTimes().size(); }
@@ -155,6 +156,7 @@ class Flight {
     options.scene = scene;
     options.seed = 9101;
     options.rate_hz = 10.0;
+    options.image_scale = 0.5;
     return options;
   }
 
