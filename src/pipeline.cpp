@@ -83,7 +83,6 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       query_inspector_(geometry),
       fan_inspector_(geometry),
       movers_(geometry),
-      recent_block_(config.corridor.hold_s),
       rectification_(geometry),
       motion_(geometry),
       earlier_(geometry),
@@ -250,19 +249,13 @@ void Pipeline::decide() {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), scale(), range_tracker_.point(met_m));
   }
-  const BoxEvidence& shown = inspector_.inspect(box_C, evidence(), corridor, {lidarDisparity(box_C)}, workers).front();
   std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) pair_reasons |= kNoDisparity;
   if (report_.rows.fault != RowFault::None || motion_.witness().contradicts()) pair_reasons |= kBadCalibration;
   if (!motion_.pose()) pair_reasons |= kNoMotion;
   Verdict& verdict = report_.verdict;
-  verdict = judge(box_C, shown, corridor, pair_reasons, remembered(box_C));
-  const double smallest_m = smallestInspected(corridor);
-  if (verdict.state == State::Blocked) {
-    recent_block_.onBlocked(verdict, shown.patches, smallest_m);
-  } else if (recent_block_.mayRemain(verdict.stamp_s, shown.patches, smallest_m)) {
-    verdict.withhold(kRecentlyBlocked);
-  }
+  recent_.moveTo(verdict.stamp_s, motion_.pose(), corridor.hold_s);
+  verdict = judge(box_C, inspector_, pair_reasons).front();
   const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
   if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   verdict.limit(movers_.freeUpTo(box_C, config_.speed));
@@ -291,13 +284,12 @@ void Pipeline::setCorridor(const CorridorConfig& corridor) {
   throwIfBroken(check(changed));
   requireSight(corridor, geometry_, disparity_estimator_.nearestDepth());
   config_ = changed;
-  recent_block_.setHold(corridor.hold_s);
   disparity_estimator_.setSmallestObstacle(corridor.smallest_obstacle_m);
 }
 
 void Pipeline::takeOver(const Pipeline& before) {
   images_ = before.images_;
-  recent_block_.takeOver(before.recent_block_);
+  recent_.takeOver(before.recent_);
 }
 
 }  // namespace flight_corridor

@@ -16,6 +16,15 @@ constexpr std::uint32_t kMapInDoubt =  // reasons of a frame without evidence, o
 
 constexpr double kMostUnknown = 0.1;     // of a box that is asked about
 constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
+constexpr double kSameObstacle_m = 0.15;  // so far apart a verdict's distance and a patch's beginning are of one
+
+/// Whether a patch shows what blocks a box.
+bool isShown(const Verdict& verdict, const std::vector<BoxPatch>& patches, double smallest_m) {
+  return std::any_of(patches.begin(), patches.end(), [&](const BoxPatch& patch) {
+    return patch.blocks(smallest_m * smallest_m) &&
+           std::abs(patch.begin_m - verdict.clear_distance_m) <= kSameObstacle_m;
+  });
+}
 
 /// Share of a box nearer than a depth, or behind the camera, by its slices along its axis.
 double shareNearer(const Box& box_C, double depth_m) {
@@ -48,8 +57,10 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
 }
 
 /// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
+/// @return places in C.
 BoxCells Pipeline::remembered(const Box& box_C) const {
   BoxCells remembered = remembers() ? cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}) : BoxCells();
+  remembered.nearest_M = T_M_C_.inverse() * remembered.nearest_M;
   if (!motion_.pose()) return remembered;
   const Eigen::Isometry3d &T_V_C = motion_.pose()->T_M_C, T_C_V = T_V_C.inverse();
   const auto counts = [&](const Eigen::Vector3d& centre_V) {
@@ -58,23 +69,52 @@ BoxCells Pipeline::remembered(const Box& box_C) const {
            sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) == Sight::Nothing;
   };
   const BoxCells obstacles = cellsIn(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
-  remembered.clear_distance_m = std::min(remembered.clear_distance_m, obstacles.clear_distance_m);
+  if (obstacles.clear_distance_m < remembered.clear_distance_m) {
+    remembered.clear_distance_m = obstacles.clear_distance_m;
+    remembered.nearest_M = T_C_V * obstacles.nearest_M;
+  }
   return remembered;
 }
 
-/// The verdict on any box, except for what belongs to the corridor, a query or a fan alone.
+/// The verdict on a box, except for what belongs to the corridor, a query or a fan alone.
 /// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
+/// @param recent_m so far it is free of obstacles of the last moments that images may miss.
 Verdict Pipeline::judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked,
-                        std::uint32_t pair_reasons, const BoxCells& remembered) const {
+                        std::uint32_t pair_reasons, const BoxCells& remembered, double recent_m) const {
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
   verdict.reasons = pair_reasons | reasonsOf(shown, asked, verdict.clear_distance_m);
   verdict.unknown_fraction = shown.unobserved.fraction;
-  verdict.block(kShortRange, beamEndInBox(box_C));
+  if (const auto end = beamEndIn(box_C)) verdict.block(kShortRange, end->along_m);
   verdict.block(kOccupiedCell, remembered.clear_distance_m);
   verdict.state = stateOf(verdict.reasons);
-  verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
+  if (verdict.state != State::Blocked && recent_m < kInfinity) verdict.withhold(kRecentlyBlocked);
+  verdict.free_distance_m = std::min(recent_m, freeDistance(verdict, shown, asked, box_C));
   return verdict;
+}
+
+/// By the corridor's rule: each box begins at the UAV.
+std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, std::uint32_t pair_reasons) {
+  std::vector<double> lidar_px;
+  for (int i = 0; i < fan_C.size(); ++i) lidar_px.push_back(lidarDisparity(fan_C.box(i)));
+  const CorridorConfig& corridor = config_.corridor;
+  const double smallest_m = smallestInspected(corridor);
+  const std::vector<double> recent_m = recent_.freeUpTo(fan_C, smallest_m);
+  const std::vector<BoxEvidence>& shown =
+      inspector.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
+  std::vector<Verdict> verdicts;
+  std::vector<Eigen::Vector3d> unshown_C;  // what blocks a box and no patch shows
+  for (int i = 0; i < fan_C.size(); ++i) {
+    const Box box_C = fan_C.box(i);
+    const BoxCells cells = remembered(box_C);
+    verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, cells, recent_m[i]));
+    if (verdicts[i].state != State::Blocked || isShown(verdicts[i], shown[i].patches, smallest_m)) continue;
+    if (const auto end = beamEndIn(box_C)) unshown_C.push_back(end->at_C);
+    if (cells.clear_distance_m < kInfinity) unshown_C.push_back(cells.nearest_M);
+  }
+  const bool is_blocked = fan_C.size() == 1 && verdicts.front().state == State::Blocked;
+  recent_.add(inspector.missable(), unshown_C, is_blocked);
+  return verdicts;
 }
 
 /// A box that is no way is asked about from near the camera on, and more of it has to be known.
@@ -94,8 +134,9 @@ Verdict Pipeline::query(const Box& box) const {
   const BoxEvidence& shown =
       query_inspector_.inspect(box_C, evidence(), asked, {lidarDisparity(box_C)}, disparity_estimator_.workers())
           .front();
+  const double recent_m = recent_.freeUpTo(box_C, smallestInspected(asked)).front();
   const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
-  Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
+  Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C), recent_m);
   double unknown = unknownShare(box_C, shown.unobserved);
   if (!is_way) verdict.unknown_fraction = unknown;
   if (is_cleared_) {
@@ -109,28 +150,21 @@ Verdict Pipeline::query(const Box& box) const {
   if (remembers() && unknown <= kMostUnknown && !shown.unobserved.hasHole()) {  // memory says the rest
     verdict.reasons &= ~kUnobserved;
     verdict.state = stateOf(verdict.reasons);
-    verdict.free_distance_m = freeDistance(verdict, shown, asked, box_C);
+    verdict.free_distance_m = std::min(recent_m, freeDistance(verdict, shown, asked, box_C));
   }
   if (is_way) verdict.limit(movers_.freeUpTo(box_C, config_.speed));
   return verdict;
 }
 
-/// By the corridor's rule: each box begins at the UAV.
 std::vector<Verdict> Pipeline::judge(const Fan& fan_C) {
-  std::vector<Verdict> verdicts(fan_C.size());
   if (depth_m_.empty()) {
-    for (Verdict& verdict : verdicts) verdict.reasons = kNoData;
-    return verdicts;
+    Verdict nothing;
+    nothing.reasons = kNoData;
+    return std::vector<Verdict>(fan_C.size(), nothing);
   }
-  std::vector<double> lidar_px;
-  for (int i = 0; i < fan_C.size(); ++i) lidar_px.push_back(lidarDisparity(fan_C.box(i)));
-  const CorridorConfig& corridor = config_.corridor;
-  const std::vector<BoxEvidence>& shown =
-      fan_inspector_.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
-  for (int i = 0; i < fan_C.size(); ++i) {
-    const Box box_C = fan_C.box(i);
-    verdicts[i] = judge(box_C, shown[i], corridor, report_.verdict.reasons & kMapInDoubt, remembered(box_C));
-    if (is_cleared_) verdicts[i].withhold(kUnobserved);
+  std::vector<Verdict> verdicts = judge(fan_C, fan_inspector_, report_.verdict.reasons & kMapInDoubt);
+  for (Verdict& verdict : verdicts) {
+    if (is_cleared_) verdict.withhold(kUnobserved);
   }
   return verdicts;
 }
@@ -146,7 +180,8 @@ const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C
     free_areas_.areas[i].verdict.limit(movers_.freeUpTo(fan_C.box(i), config_.speed));
   }
   const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
-  free_areas_.best = bestArea(free_areas_, rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C), config.step_rad);
+  const Eigen::Vector3d goal_F = rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C);
+  free_areas_.best = bestArea(free_areas_, goal_F, config.step_rad, config_.corridor.width_m, config_.speed);
   return free_areas_;
 }
 
@@ -179,19 +214,21 @@ bool Pipeline::beginsAtUav(const Box& box_C) const {
          std::abs(std::asin(std::clamp(axis_F.z(), -1.0, 1.0))) <= config_.free_areas.pitch_rad + half_step_rad;
 }
 
-/// How far along the box's axis the beam ends, when that is inside the box or may be, by one sigma: d_K < D_min of the
-/// paper, carried to the volume; +inf: it does not. While the sensors disagree the nearer one rules.
-double Pipeline::beamEndInBox(const Box& box) const {
+/// Where the beam ends in a box, or may by one sigma: d_K < D_min of the paper, carried to the volume. While the sensors
+/// disagree the nearer one rules.
+std::optional<Pipeline::BeamEnd> Pipeline::beamEndIn(const Box& box_C) const {
   double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
   if (report_.range.disagreement) {
     range_m = std::fmin(range_m, report_.range.disagreement->range_m);
     nearest_m = std::fmin(nearest_m, range_m);
   }
-  if (!std::isfinite(nearest_m)) return kInfinity;
-  const bool ends_inside =
-      contains(box, range_tracker_.point(range_m)) || contains(box, range_tracker_.point(nearest_m));
-  if (!ends_inside) return kInfinity;  // a large sigma reaches behind the box
-  return std::clamp((box.T_M_F.inverse() * range_tracker_.point(range_m)).x(), 0.0, box.size_m.x());
+  if (!std::isfinite(nearest_m)) return std::nullopt;
+  const double along_m = (box_C.T_M_F.inverse() * range_tracker_.point(range_m)).x();
+  for (const double end_m : {range_m, nearest_m}) {
+    const Eigen::Vector3d at_C = range_tracker_.point(end_m);
+    if (contains(box_C, at_C)) return BeamEnd{at_C, std::clamp(along_m, 0.0, box_C.size_m.x())};
+  }
+  return std::nullopt;  // a large sigma reaches before the box
 }
 
 }  // namespace flight_corridor

@@ -198,5 +198,31 @@ TEST_F(BoxPatchesTest, TheMirrorImageHasTheSameOnes) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(other[i], one[i], 1e-6);
 }
 
+TEST_F(BoxPatchesTest, OfWhatTheNextImageMayMissPointsAreKeptThatStandForAllOfIt) {
+  const auto keptArea = [&](const cv::Rect& pixels) {
+    depth_m_ = wallDepth(kVgaGeometry.size(), 6.0);
+    put(pixels, 1.0);
+    double shown_m2 = 0.0, kept_m2 = 0.0;
+    for (const BoxPatch& patch : find()) shown_m2 += patch.in_box_m2;
+    for (const PatchPoint& point : patches_.missable()) {
+      kept_m2 += point.shown_m2;
+      EXPECT_NEAR(point.at.z(), 1.0, 0.02);
+    }
+    EXPECT_LT(patches_.missable().size(), pixels.area());
+    return kept_m2 / shown_m2;
+  };
+  EXPECT_NEAR(keptArea({300, 220, 40, 40}), 1.0, 0.1);
+  EXPECT_NEAR(keptArea({300, 180, 2, 100}), 1.0, 0.1) << "thin";
+  EXPECT_EQ(keptArea({250, 200, 100, 80}), 0.0) << "broad, in the middle";
+}
+
+TEST_F(BoxPatchesTest, OfWhatIsBroadThePartAtTheBoxsEdgeIsKept) {
+  depth_m_ = wallDepth(kVgaGeometry.size(), 6.0);
+  put({0, 0, 115, 480}, 1.0);  // up to a hand's breadth into the box
+  ASSERT_EQ(find().size(), 1u);
+  EXPECT_GT(patches_.missable().size(), 0u);
+  for (const PatchPoint& point : patches_.missable()) EXPECT_LE(std::abs(point.at.x()), 0.6);
+}
+
 }  // namespace
 }  // namespace flight_corridor

@@ -11,11 +11,21 @@ const FreeAreasConfig kConfig{0.2, 0.1, 0.1};
 constexpr double kStep_rad = 0.1;
 const Eigen::Vector3d kAhead = Eigen::Vector3d::UnitX();
 
-/// FREE where a mark says so; the lowest row first.
+constexpr double kWidth_m = 1.2;
+
+/// FREE where a mark says so, UNKNOWN but free for so many metres where there is a digit; the lowest row first.
 AreaGrid marked(const char (&marks)[16]) {
   AreaGrid grid = areaGrid(kConfig);
-  for (int i = 0; i < 15; ++i) grid.areas[i].verdict.state = marks[i] == '+' ? State::Free : State::Blocked;
+  for (int i = 0; i < 15; ++i) {
+    Verdict& verdict = grid.areas[i].verdict;
+    verdict.state = marks[i] == '+' ? State::Free : marks[i] == '.' ? State::Blocked : State::Unknown;
+    verdict.free_distance_m = marks[i] == '+' ? 4.0 : marks[i] == '.' ? 0.0 : marks[i] - '0';
+  }
   return grid;
+}
+
+int bestOf(const char (&marks)[16], const Eigen::Vector3d& goal_F = kAhead) {
+  return bestArea(marked(marks), goal_F, kStep_rad, kWidth_m, SpeedConfig());
 }
 
 TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {
@@ -33,29 +43,54 @@ TEST(FreeAreas, ADirectionLooksToItsYawAndPitch) {
 }
 
 TEST(FreeAreas, TheBestIsTheFreeOneNearestToTheGoal) {
-  EXPECT_EQ(bestArea(marked("..............."), kAhead, kStep_rad), -1);
-  EXPECT_EQ(bestArea(marked("+++++++++++++++"), kAhead, kStep_rad), 7);
-  EXPECT_EQ(bestArea(marked(".....++........"), kAhead, kStep_rad), 6);
-  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {1.0, 0.2, 0.0}, kStep_rad), 9) << "to the left";
-  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {-5.0, 5.0, 0.0}, kStep_rad), 9)
+  EXPECT_EQ(bestOf("..............."), -1);
+  EXPECT_EQ(bestOf("+++++++++++++++"), 7);
+  EXPECT_EQ(bestOf(".....++........"), 6);
+  EXPECT_EQ(bestOf("+++++++++++++++", {1.0, 0.2, 0.0}), 9) << "to the left";
+  EXPECT_EQ(bestOf("+++++++++++++++", {-5.0, 5.0, 0.0}), 9)
       << "as near to a goal behind as it can";
-  EXPECT_EQ(bestArea(marked(".....+...+....."), {1.0, -0.1, 0.1}, kStep_rad), 5);
+  EXPECT_EQ(bestOf(".....+...+.....", {1.0, -0.1, 0.1}), 5);
 }
 
 TEST(FreeAreas, OfTwoAsNearTheOneWithMoreBesideItIsBetter) {
-  EXPECT_EQ(bestArea(marked("......+.++....."), kAhead, kStep_rad), 8);
-  EXPECT_EQ(bestArea(marked(".....++.+......"), kAhead, kStep_rad), 6);
+  EXPECT_EQ(bestOf("......+.++....."), 8);
+  EXPECT_EQ(bestOf(".....++.+......"), 6);
+}
+
+TEST(FreeAreas, AShorterWayIsBetterOnlyWhereItGetsNearerToTheGoalFaster) {
+  EXPECT_EQ(bestOf(".......3......."), 7) << "nothing is FREE";
+  EXPECT_EQ(bestOf(".......3..+....", {0.0, 1.0, 0.0}), 10);
+  EXPECT_EQ(bestOf("......43..+...."), 10) << "a FREE one as near to the goal is faster";
+  EXPECT_EQ(bestOf(".......4..+....", {1.0, 9.0, 0.0}), 7) << "that leads away";
+  EXPECT_EQ(bestOf("......44......."), 7) << "nearer to the goal";
+}
+
+TEST(FreeAreas, NoWayIsUsableThatEndsBeforeTheUavCanTurn) {
+  EXPECT_EQ(bestOf(".......1......."), -1);
+  Verdict verdict;
+  verdict.free_distance_m = 3.0;
+  EXPECT_DOUBLE_EQ(usableDistance(verdict, kWidth_m), 1.8);
+  verdict.state = State::Free;
+  EXPECT_DOUBLE_EQ(usableDistance(verdict, kWidth_m), 3.0);
+  verdict.state = State::Unknown;
+  verdict.free_distance_m = 1.0;
+  EXPECT_EQ(usableDistance(verdict, kWidth_m), 0.0);
+}
+
+TEST(FreeAreas, AWayThatLeadsAwayIsTakenOnlyIfItIsFree) {
+  EXPECT_EQ(bestOf(".......+.......", -kAhead), 7);
+  EXPECT_EQ(bestOf(".......3.......", -kAhead), -1);
 }
 
 TEST(FreeAreas, AGoalMayBeOfAnyLength) {
   for (const double length : {1e-200, 1e200}) {
-    EXPECT_EQ(bestArea(marked("+++++++++++++++"), length * Eigen::Vector3d(1.0, 0.2, 0.0), kStep_rad), 9) << length;
+    EXPECT_EQ(bestOf("+++++++++++++++", length * Eigen::Vector3d(1.0, 0.2, 0.0)), 9) << length;
   }
 }
 
 TEST(FreeAreas, AGoalThatIsNoneIsAhead) {
   for (const Eigen::Vector3d& none : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNaN, 0.0, 1.0)}) {
-    EXPECT_EQ(bestArea(marked("+++++++++++++++"), none, kStep_rad), 7);
+    EXPECT_EQ(bestOf("+++++++++++++++", none), 7);
   }
 }
 

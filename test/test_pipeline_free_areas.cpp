@@ -115,7 +115,8 @@ TEST(PipelineFreeAreas, FreeIsUpToTheEndBlockedUpToWhatBlocks) {
         ++blocked;
         break;
       case State::Unknown:
-        EXPECT_EQ(verdict.free_distance_m, 0.0);
+        EXPECT_LT(verdict.free_distance_m, flight.pipeline.config().corridor.length_m)
+            << describeReasons(verdict.reasons);
         break;
     }
   }

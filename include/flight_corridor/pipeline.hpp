@@ -9,7 +9,7 @@
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/corridor/free_areas.hpp"
 #include "flight_corridor/corridor/movers.hpp"
-#include "flight_corridor/corridor/recent_block.hpp"
+#include "flight_corridor/corridor/recent_obstacles.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
@@ -161,11 +161,16 @@ class Pipeline {
   void decide();
   PairEvidence evidence() const;
   Verdict judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked, std::uint32_t pair_reasons,
-                const BoxCells& remembered) const;
+                const BoxCells& remembered, double recent_m) const;
+  std::vector<Verdict> judge(const Fan& fan_C, BoxInspector& inspector, std::uint32_t pair_reasons);
   std::vector<Verdict> judge(const Fan& fan_C);
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
-  double beamEndInBox(const Box& box_C) const;
+  struct BeamEnd {
+    Eigen::Vector3d at_C;
+    double along_m;  // the box's axis
+  };
+  std::optional<BeamEnd> beamEndIn(const Box& box_C) const;
   bool beginsAtUav(const Box& box_C) const;
   BoxCells remembered(const Box& box_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }
@@ -185,7 +190,7 @@ class Pipeline {
   mutable BoxInspector query_inspector_;
   BoxInspector fan_inspector_;
   Movers movers_;
-  RecentBlock recent_block_;
+  RecentObstacles recent_;
   double newest_stamp_s_ = -kInfinity;
   ImageWatch images_;
   RectificationWatch rectification_;

@@ -18,6 +18,8 @@ constexpr double kSplitGain = 0.7;  // of the residual of one plane: what one ha
 constexpr double kFlat_px = 0.2;    // RMS about a plane, two sigma of a match: more may be two surfaces
 constexpr double kPiece_m = 1.0;    // of a surface: a wider one is more than one plane
 constexpr std::ptrdiff_t kFitted = 2000;  // points of a plane are enough
+constexpr double kLarge_m2 = 0.035;       // shown of a patch in and near the box: a smaller one the next image may lose
+constexpr double kKept = 4.0;             // points across the smallest obstacle are remembered
 
 }  // namespace
 
@@ -26,6 +28,8 @@ struct BoxPatches::Plane {
   double rms_px;
   double at(const Point& point) const { return coefficients.dot(Eigen::Vector3d(point.u, point.v, 1.0)); }
 };
+
+bool BoxPatch::isMissable() const { return around_m2 < kLarge_m2 || in_middle_m2 < kLarge_m2; }
 
 BoxPatches::BoxPatches(const StereoGeometry& geometry) : geometry_(geometry) {}
 
@@ -38,6 +42,7 @@ const std::vector<std::vector<BoxPatch>>& BoxPatches::find(const Fan& fan, const
   found_.resize(fan.size());
   for (std::vector<BoxPatch>& patches : found_) patches.clear();
   blocking_C_.clear();
+  missable_C_.clear();
   for (std::size_t patch = 0; patch + 1 < begins_.size(); ++patch) {
     Point *first = sorted_.data() + begins_[patch], *end = sorted_.data() + begins_[patch + 1];
     fitPlanes(first, end, fit(first, end), smallest_m);
@@ -127,12 +132,31 @@ void BoxPatches::measure(const Fan& fan, const Point* first, const Point* end, d
       }
     });
   }
+  bool is_missable = false;
   for (int direction = 0; direction < fan.size(); ++direction) {
     BoxPatch& sum = sums_[direction];
     if (!(sum.around_m2 > 0.0)) continue;
     if (sum.in_box_px > 0) sum.begin_m = std::clamp<double>(sum.begin_m, 0.0, size_m.x());
     found_[direction].push_back(sum);
-    if (direction == 0 && sum.blocks(smallest_m * smallest_m)) keep(fan, first, end);
+    if (!sum.blocks(smallest_m * smallest_m)) continue;
+    if (direction == 0) keep(fan, first, end);
+    is_missable |= sum.isMissable();
+  }
+  if (is_missable) keepMissable(fan, first, end, smallest_m);
+}
+
+/// Of a row every n-th point, of the next row others: a thin patch keeps some.
+void BoxPatches::keepMissable(const Fan& fan, const Point* first, const Point* end, double smallest_m) {
+  for (const Point* point = first; point != end; ++point) {
+    const int step = std::max(1, static_cast<int>(smallest_m / (kKept * point->edge_m)));
+    if ((point->u + 2 * point->v) % step != 0) continue;
+    bool is_kept = false;
+    fan.visit(point->hit_F, 0.0f, [&](int direction, const Eigen::Vector3f&) {
+      is_kept |= sums_[direction].blocks(smallest_m * smallest_m) && sums_[direction].isMissable();
+    });
+    if (!is_kept) continue;
+    const double pixel_m2 = point->edge_m * std::max<double>(point->edge_m, smallest_m / kEdgeWidth_px);
+    missable_C_.push_back({fan.T_F_C().inverse() * point->hit_F, static_cast<float>(step * pixel_m2)});
   }
 }
 

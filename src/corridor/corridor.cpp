@@ -68,8 +68,10 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box,
           known += is_in;
           if (!is_occupied || !(is_in || (is_thin && intersects(box, cell_M, cell_m)))) continue;
           if (!counts(cell_M)) continue;
-          const double begin_m = forward_M.dot(cell_M - box.T_M_F.translation()) - half_cell_m;
-          cells.clear_distance_m = std::min(cells.clear_distance_m, std::max(0.0, begin_m));
+          const double begin_m = std::max(0.0, forward_M.dot(cell_M - box.T_M_F.translation()) - half_cell_m);
+          if (begin_m >= cells.clear_distance_m) continue;
+          cells.clear_distance_m = begin_m;
+          cells.nearest_M = cell_M;
         }
       }
     }

@@ -106,7 +106,7 @@ double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const C
   if (verdict.state == State::Free) return box.size_m.x();
   const Unobserved& unobserved = evidence.unobserved;
   const bool is_believed = (verdict.reasons & ~kSaysWhere) == 0 && isInSight(unobserved) && evidence.is_doubt_searched;
-  if (verdict.state == State::Unknown || !is_believed) return 0.0;
+  if (!is_believed) return 0.0;
   double free_m =
       std::min({verdict.clear_distance_m, unobserved.hole_along_m, unobserved.unclear_along_m, box.size_m.x()});
   if (!isEndInView(unobserved)) free_m = std::min(free_m, (1.0 - kEndShare) * box.size_m.x());

@@ -37,7 +37,7 @@ Way CorridorRule::judge(const Observation& observation) {
   if (areas_->best >= 0) {
     const FreeArea& best = areas_->areas[static_cast<std::size_t>(areas_->best)];
     way.direction_W = T_W_F_.linear() * ahead(best);
-    way.free_m = best.verdict.free_distance_m;
+    way.free_m = usableDistance(best.verdict, pipeline_.config().corridor.width_m);
   }
   way.free_ahead_m = freeAlong(observation.own.velocity_W_mps);
   return way;

@@ -10,8 +10,11 @@ constexpr double kThick_m = 0.2;  // of walls
 
 Material plaster(Random& random) { return textured(random, 0.55, 0.2, 0.3); }
 
+/// Walls that are painted: hardly more than the cameras' noise.
+Material paint(Random& random) { return textured(random, 0.55, 0.01, 0.3); }
+
 /// Floor, ceiling and four walls from behind the start to behind the goal.
-void addHall(double half_width_m, double height_m, World& world, Random& random) {
+void addHall(double half_width_m, double height_m, World& world, Random& random, Material (*surface)(Random&) = plaster) {
   world.ground_W = {Eigen::Vector2d(-2.0, -half_width_m), Eigen::Vector2d(26.0, half_width_m)};
   const Eigen::Vector2d middle_W = world.ground_W.center();
   const Eigen::Vector3d size_m(world.ground_W.sizes().x(), 2.0 * half_width_m, height_m);
@@ -20,7 +23,7 @@ void addHall(double half_width_m, double height_m, World& world, Random& random)
       Eigen::Vector3d centre_W(middle_W.x(), middle_W.y(), height_m / 2.0), slab_m = size_m;
       centre_W[axis] += side * (size_m[axis] + kThick_m) / 2.0;
       slab_m[axis] = kThick_m;
-      world.scene.world.push_back(makeBox(centre_W, slab_m, plaster(random)));
+      world.scene.world.push_back(makeBox(centre_W, slab_m, surface(random)));
     }
   }
 }
@@ -46,10 +49,10 @@ void addWallWith(const Opening& opening, double x_m, double half_width_m, double
 }
 
 /// A long hall, 5 to 7 m wide, with pillars.
-void pillars(World& world, Random& random) {
+void addHallWithPillars(Material (*surface)(Random&), World& world, Random& random) {
   const double half_width_m = random.uniform(2.5, 3.5);
   const double height_m = random.uniform(2.8, 3.5);
-  addHall(half_width_m, height_m, world, random);
+  addHall(half_width_m, height_m, world, random, surface);
   world.goal_W.y() *= 0.5;
   for (double x_m = 3.0; x_m < world.goal_W.x() - 2.0; x_m += random.uniform(1.6, 3.0)) {
     const double y_m = random.uniform(-half_width_m, half_width_m);
@@ -60,9 +63,13 @@ void pillars(World& world, Random& random) {
   }
 }
 
+void pillars(World& world, Random& random) { addHallWithPillars(plaster, world, random); }
+void paintedHall(World& world, Random& random) { addHallWithPillars(paint, world, random); }
+
+constexpr double kHalfWidth_m = 5.0, kTall_m = 3.5;  // of the hall with gates or doors
+
 /// Walls across, 5 to 6.5 m apart, with a gate or a window each.
 void gates(World& world, Random& random) {
-  constexpr double kHalfWidth_m = 5.0, kTall_m = 3.5;
   addHall(kHalfWidth_m, kTall_m, world, random);
   for (double x_m = random.uniform(4.5, 6.0); x_m < world.goal_W.x() - 2.5; x_m += random.uniform(5.0, 6.5)) {
     Opening opening{random.uniform(-2.0, 2.0), random.uniform(1.7, 2.6), 0.0, kTall_m};
@@ -71,6 +78,16 @@ void gates(World& world, Random& random) {
       opening.top_m = kHeight_m + random.uniform(0.5, 0.8);
     }
     addWallWith(opening, x_m, kHalfWidth_m, kTall_m, world, random);
+  }
+}
+
+/// Walls across, 5 to 6.5 m apart, with a door 1.6 to 1.9 m wide each.
+void doors(World& world, Random& random) {
+  addHall(kHalfWidth_m, kTall_m, world, random);
+  for (double x_m = random.uniform(4.5, 6.0); x_m < world.goal_W.x() - 2.5; x_m += random.uniform(5.0, 6.5)) {
+    const double y_m = random.uniform(-2.5, 2.5);
+    const double width_m = random.uniform(1.6, 1.9);
+    addWallWith({y_m, width_m, 0.0, 2.2}, x_m, kHalfWidth_m, kTall_m, world, random);
   }
 }
 
@@ -114,7 +131,7 @@ void rooms(World& world, Random& random) {
 }  // namespace
 
 std::map<std::string, WorldBuilder> indoorBuilders() {
-  return {{"gates", gates}, {"pillars", pillars}, {"rooms", rooms}};
+  return {{"doors", doors}, {"gates", gates}, {"painted_hall", paintedHall}, {"pillars", pillars}, {"rooms", rooms}};
 }
 
 }  // namespace flight_corridor::sim

@@ -73,6 +73,36 @@ void thickForest(World& world, Random& random) {
   }
 }
 
+/// Saplings 2 to 5 cm thick that lean, some with a leaf of 4 to 9 cm, boughs of 3 to 8 cm across the way.
+void understorey(World& world, Random& random) {
+  addOutdoors(world, random);
+  addTrunks(12, world, random);
+  for (int i = 0; i < 70; ++i) {
+    const Eigen::Vector2d p_W = anyPlace(world, random);
+    const double radius_m = random.uniform(0.01, 0.025);
+    const Eigen::Vector3d foot_W(p_W.x(), p_W.y(), 0.0);
+    const Eigen::Vector3d lean{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), random.uniform(2.0, 4.0)};
+    const double leaf_m = random.uniform(0.04, 0.09);
+    const Material wood = bark(random);
+    const bool has_leaf = random.chance(0.5);
+    if (!isAwayFromTheEnds(world, p_W, 0.6)) continue;
+    world.scene.world.push_back(makeCylinder(foot_W, foot_W + lean, radius_m, wood));
+    if (!has_leaf) continue;
+    const Material green = textured(random, 0.45, 0.3, 0.05);
+    world.scene.world.push_back(turned(makeBox(foot_W + 0.4 * lean, {0.003, leaf_m, leaf_m}, green), p_W.x()));
+  }
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector2d p_W = anyPlace(world, random);
+    const double bearing_rad = random.uniform(0.0, 2.0 * M_PI);
+    const Eigen::Vector3d across(1.5 * std::cos(bearing_rad), 1.5 * std::sin(bearing_rad), random.uniform(-0.5, 0.5));
+    const Eigen::Vector3d middle_W(p_W.x(), p_W.y(), random.uniform(1.2, 1.8));
+    const double radius_m = random.uniform(0.015, 0.04);
+    const Material wood = bark(random);
+    if (!isAwayFromTheEnds(world, p_W, 1.5)) continue;
+    world.scene.world.push_back(makeCylinder(middle_W - across, middle_W + across, radius_m, wood));
+  }
+}
+
 /// Hilltops, some to be flown over, others to be flown round, and a few trees.
 void hills(World& world, Random& random) {
   addOutdoors(world, random);
@@ -126,6 +156,26 @@ void street(World& world, Random& random) {
   }
 }
 
+/// Between two rows of houses, poles of 9 to 13 cm of the houses' own plain grey.
+void alley(World& world, Random& random) {
+  addGround(0.8, world.scene, random);
+  const Material grey = plain(random.uniform(0.35, 0.55));
+  const double half_width_m = random.uniform(3.5, 4.5);
+  for (const double side : {-1.0, 1.0}) {
+    for (double x_m = -6.0; x_m < 40.0; x_m += 9.0) {
+      const double front_m = half_width_m + random.uniform(0.0, 0.6);
+      const Material front = random.chance(0.5) ? grey : textured(random, 0.45, 0.3, 0.6);
+      world.scene.world.push_back(makeBox({x_m, side * (front_m + 3.0), 4.0}, {9.0, 6.0, 8.0}, front));
+    }
+  }
+  world.scene.world.push_back(wallAcross(36.0, -12.0, 12.0, 9.0, grey));
+  world.scene.world.push_back(wallAcross(-12.0, -12.0, 12.0, 9.0, masonry(random)));
+  for (double x_m = 3.5; x_m < world.goal_W.x() - 2.0; x_m += random.uniform(1.5, 3.0)) {
+    const double y_m = random.uniform(-half_width_m + 0.4, half_width_m - 0.4);
+    world.scene.world.push_back(uprightPole(x_m, y_m, random.uniform(0.045, 0.065), random.uniform(3.0, 6.0), grey));
+  }
+}
+
 /// Walks across the way for ever, at it at a moment.
 void addPerson(World& world, Random& random) {
   const double x_m = random.uniform(4.0, world.goal_W.x() - 3.0);
@@ -150,11 +200,13 @@ void people(World& world, Random& random) {
 }  // namespace
 
 std::map<std::string, WorldBuilder> outdoorBuilders() {
-  return {{"forest_thick", thickForest},
+  return {{"alley", alley},
+          {"forest_thick", thickForest},
           {"forest_thin", thinForest},
           {"hills", hills},
           {"people", people},
-          {"street", street}};
+          {"street", street},
+          {"understorey", understorey}};
 }
 
 }  // namespace flight_corridor::sim

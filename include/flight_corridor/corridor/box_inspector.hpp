@@ -52,6 +52,8 @@ class BoxInspector {
   cv::Mat doubtful() const { return doubt_.image(); }
   /// Points of the patches that block the first direction's box, in C [m].
   const std::vector<Eigen::Vector3d>& blocking() const { return patches_.blocking(); }
+  /// Some points of the patches that block a direction's box and images may miss, see BoxPatches.
+  const std::vector<PatchPoint>& missable() const { return patches_.missable(); }
 
  private:
   StereoGeometry geometry_;

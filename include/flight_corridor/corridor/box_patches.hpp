@@ -18,6 +18,14 @@ struct BoxPatch {
 
   /// Half of the smallest obstacle is enough: the matcher loses its edges.
   bool blocks(double smallest_m2) const { return in_box_m2 > 0.0 && in_box_m2 >= 0.5 * smallest_m2; }
+  /// Whether the next image may lose it, or noise move it out of the box.
+  bool isMissable() const;
+};
+
+/// A match of a patch, and what it stands for of what the patch shows.
+struct PatchPoint {
+  Eigen::Vector3f at;  ///< [m]
+  float shown_m2;
 };
 
 /// What the newest pair's matches show in boxes: connected pieces of one surface, and where they begin, more exactly
@@ -38,6 +46,8 @@ class BoxPatches {
 
   /// Points of the patches that block the first direction's box, in C [m]; valid until the next call.
   const std::vector<Eigen::Vector3d>& blocking() const { return blocking_C_; }
+  /// Some points of the patches that block a box and images may miss, in that box, in C; valid until the next call.
+  const std::vector<PatchPoint>& missable() const { return missable_C_; }
 
  private:
   /// A match in or near a box.
@@ -56,6 +66,7 @@ class BoxPatches {
   void sort();
   void measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m);
   void keep(const Fan& fan, const Point* first, const Point* end);
+  void keepMissable(const Fan& fan, const Point* first, const Point* end, double smallest_m);
   static void fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m);
   static Plane fit(const Point* first, const Point* end);
 
@@ -66,6 +77,7 @@ class BoxPatches {
   std::vector<BoxPatch> sums_;            // of one patch, a direction
   std::vector<std::vector<BoxPatch>> found_;
   std::vector<Eigen::Vector3d> blocking_C_;
+  std::vector<PatchPoint> missable_C_;
 };
 
 }  // namespace flight_corridor

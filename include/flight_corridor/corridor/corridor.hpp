@@ -36,7 +36,8 @@ double smallestInspected(const CorridorConfig& config);
 /// An octree's memory of a box, by the cells centred in it.
 struct BoxCells {
   double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell.
-  double unknown_fraction = 1.0;        ///< Share of unknown cells; 1 for a box thinner than a cell.
+  Eigen::Vector3d nearest_M{kNaN, kNaN, kNaN};  ///< Centre of that cell; NaN: none.
+  double unknown_fraction = 1.0;  ///< Share of unknown cells; 1 for a box thinner than a cell.
 };
 /// @param counts whether an occupied cell counts, by its centre.
 BoxCells cellsIn(

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "flight_corridor/corridor/safe_speed.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/box.hpp"
 #include "flight_corridor/types.hpp"
@@ -29,7 +30,7 @@ struct FreeArea {
 struct AreaGrid {
   int columns = 0, rows = 0;
   std::vector<FreeArea> areas;
-  int best = -1;  ///< Index of the best FREE direction; -1: no direction is FREE.
+  int best = -1;  ///< Index of the best direction, see bestArea(); -1: there is none.
 };
 
 /// The nearest obstacles around, in a level layer as high as the corridor.
@@ -51,9 +52,14 @@ AreaGrid areaGrid(const FreeAreasConfig& config);
 /// Unit vector of a direction in the corridor's frame.
 Eigen::Vector3d ahead(const FreeArea& area);
 
-/// The FREE direction nearest to a wanted one; of those equally near, to a step, the one with most FREE neighbours.
+/// How far the UAV may fly along a direction and still turn on the spot: where it is not FREE, a box's width less [m].
+double usableDistance(const Verdict& verdict, double width_m);
+
+/// The FREE direction nearest to a wanted one, unless another, usable for a shorter way, gets the UAV nearer faster.
 /// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
-/// @return -1: no direction is FREE.
-int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
+/// @param width_m of the corridor.  @param speed how the UAV brakes.
+/// @return -1: none is usable.
+int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad, double width_m,
+             const SpeedConfig& speed);
 
 }  // namespace flight_corridor
