@@ -20,7 +20,7 @@ REMEDIES = {
     "BAD_CALIBRATION": "CameraInfo is impossible: the node's log says which number",
     "NO_DISPARITY": "hardly any match: texture, exposure, rectification, a covered lens, left and right exchanged",
     "MOVING": "something that moves can come into the corridor before the UAV stands (speed/mover_mps)",
-    "RECENTLY_BLOCKED": "something blocked within corridor/hold_s",
+    "RECENTLY_BLOCKED": "something blocked there within corridor/hold_s",
     "FROZEN_IMAGE": "images are bit-identical to earlier ones: the camera's driver",
     "AMBIGUOUS": "a patch is matched behind the box but fits in it as well: a repeated pattern, wires, railings",
     "WEAK_EVIDENCE": "a small patch of matches in the box: the edge of a textureless obstacle, or a mismatch",

@@ -79,6 +79,7 @@ Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const R
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, disparity_estimator_.nearestDepth()),
       rays_(geometry),
+      gaps_(geometry),
       inspector_(geometry),
       query_inspector_(geometry),
       fan_inspector_(geometry),
@@ -203,6 +204,7 @@ bool Pipeline::isTrusted() const {
          !report_.lidar_is_nearer;
 }
 
+/// Matches without texture are chance: they neither hit nor clear.
 void Pipeline::updateMap() const {
   is_map_current_ = true;
   if (remembers()) {
@@ -210,7 +212,9 @@ void Pipeline::updateMap() const {
   } else {
     map_.clear();
   }
-  map_.insert(depth_m_, T_M_C_, report_.clears);
+  cv::Mat evidence_m(depth_m_.size(), CV_32FC1, cv::Scalar(kNaN));
+  depth_m_.copyTo(evidence_m, left_texture_.mask());
+  map_.insert(evidence_m, T_M_C_, report_.clears);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));
@@ -227,7 +231,7 @@ double Pipeline::nearestDepth() const {
 }
 
 PairEvidence Pipeline::evidence() const {
-  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, earlier_, earlier_matches_, scale(),
+  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, gaps_, earlier_, earlier_matches_, scale(),
           disparity_estimator_.nearestDepth()};
 }
 
@@ -240,6 +244,7 @@ void Pipeline::decide() {
     side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
   });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
+  gaps_.find(disparity_.best_px, scale(), smallestInspected(corridor));
   earlier_.look(disparity_, left_texture_.mask());
   if (config_.speed.mover_mps > 0.0) {
     const auto pose = image_faults_ == 0 ? motion_.pose() : std::nullopt;

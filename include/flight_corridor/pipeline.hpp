@@ -186,6 +186,7 @@ class Pipeline {
   bool is_cleared_ = false;             // partly, since then
   Texture left_texture_, right_texture_;
   ClearRays rays_;
+  BarGaps gaps_;
   BoxInspector inspector_;
   mutable BoxInspector query_inspector_;
   BoxInspector fan_inspector_;

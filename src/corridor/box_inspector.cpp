@@ -22,7 +22,11 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   const auto find_holes = [&] {
     const auto& holes = holes_.find(fan, {pair.rays, pair.disparity, pair.earlier}, pair.correction, config.blind_m,
                                     nearest_m, smallest_m, config.max_unknown_fraction);
-    for (int i = 0; i < fan.size(); ++i) evidence_[i].unobserved = holes[i];
+    const std::vector<double> gaps_m = pair.gaps.freeUpTo(fan, smallest_m);
+    for (int i = 0; i < fan.size(); ++i) {
+      evidence_[i].unobserved = holes[i];
+      evidence_[i].unobserved.hole_along_m = std::min(holes[i].hole_along_m, gaps_m[i]);
+    }
   };
   const auto look_for_railings = [&] { railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m); };
   workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : look_for_railings(); });

@@ -31,6 +31,21 @@ struct BoxPatches::Plane {
 
 bool BoxPatch::isMissable() const { return around_m2 < kLarge_m2 || in_middle_m2 < kLarge_m2; }
 
+void limit(const Fan& fan, const Eigen::Isometry3f& T_F_P, const std::vector<PatchPoint>& points_P, double smallest_m,
+           std::vector<double>& free_m) {
+  std::vector<BoxPatch> patches(fan.size());
+  for (const PatchPoint& point : points_P) {
+    fan.visit(T_F_P * point.at, 0.0f, [&](int direction, const Eigen::Vector3f& at) {
+      BoxPatch& patch = patches[direction];
+      patch.in_box_m2 += point.shown_m2;
+      patch.begin_m = std::min<double>(patch.begin_m, at.x());
+    });
+  }
+  for (int i = 0; i < fan.size(); ++i) {
+    if (patches[i].blocks(smallest_m * smallest_m)) free_m[i] = std::min(free_m[i], patches[i].begin_m);
+  }
+}
+
 BoxPatches::BoxPatches(const StereoGeometry& geometry) : geometry_(geometry) {}
 
 const std::vector<std::vector<BoxPatch>>& BoxPatches::find(const Fan& fan, const cv::Mat& depth_m,

@@ -36,20 +36,8 @@ std::vector<double> RecentObstacles::freeUpTo(const Fan& fan_C, double smallest_
   std::vector<double> free_m(fan_C.size(), is_lost ? 0.0 : kInfinity);
   if (!pose_) return free_m;
   const Eigen::Isometry3f T_F_V = fan_C.T_F_C() * pose_->T_M_C.inverse().cast<float>();
-  std::vector<BoxPatch> patches(fan_C.size());
   for (const Sighting& sighting : sightings_) {
-    if (!(sighting.stamp_s < stamp_s_)) continue;
-    patches.assign(fan_C.size(), BoxPatch());
-    for (const PatchPoint& point : sighting.points_V) {
-      fan_C.visit(T_F_V * point.at, 0.0f, [&](int direction, const Eigen::Vector3f& at) {
-        BoxPatch& patch = patches[direction];
-        patch.in_box_m2 += point.shown_m2;
-        patch.begin_m = std::min<double>(patch.begin_m, at.x());
-      });
-    }
-    for (int i = 0; i < fan_C.size(); ++i) {
-      if (patches[i].blocks(smallest_m * smallest_m)) free_m[i] = std::min(free_m[i], patches[i].begin_m);
-    }
+    if (sighting.stamp_s < stamp_s_) limit(fan_C, T_F_V, sighting.points_V, smallest_m, free_m);
   }
   return free_m;
 }

@@ -9,7 +9,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kLeast_m = 0.3, kLeast_rad = 5.0 * M_PI / 180.0;  // of a way that is compared
-constexpr double kSigmas = 3.0;
+constexpr double kSignificantSigmas = 3.0;
 // What is told is odometry, or a filter's pose: 2 % and 1 cm, and a rotation that drifts by half a degree a second.
 constexpr double kToldShare = 0.02, kTold_m = 0.01, kTold_radps = 0.5 * M_PI / 180.0;
 
@@ -57,7 +57,7 @@ bool MotionWitness::disagrees(double duration_s, const Eigen::Isometry3d& told_S
   const double sigma_rad = std::hypot(seen.sigma_rad, kToldShare * turn_rad, drift_rad);
   const double off_rad = rotationVector(told_S_C.linear().transpose() * seen.T_K_C.linear()).norm();
   const double off_m = (seen.T_K_C.translation() - told_S_C.translation()).norm();
-  return off_m > kSigmas * sigma_m || off_rad > kSigmas * sigma_rad;
+  return off_m > kSignificantSigmas * sigma_m || off_rad > kSignificantSigmas * sigma_rad;
 }
 
 void MotionWitness::add(double duration_s, const Eigen::Isometry3d& told_S_C, const RelativePose& seen) {

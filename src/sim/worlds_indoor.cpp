@@ -10,8 +10,8 @@ constexpr double kThick_m = 0.2;  // of walls
 
 Material plaster(Random& random) { return textured(random, 0.55, 0.2, 0.3); }
 
-/// Walls that are painted: hardly more than the cameras' noise.
-Material paint(Random& random) { return textured(random, 0.55, 0.01, 0.3); }
+/// Walls that are painted: little more than the cameras' noise.
+Material paint(Random& random) { return textured(random, 0.55, 0.04, 0.3); }
 
 /// Floor, ceiling and four walls from behind the start to behind the goal.
 void addHall(double half_width_m, double height_m, World& world, Random& random, Material (*surface)(Random&) = plaster) {

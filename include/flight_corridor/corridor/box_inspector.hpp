@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "flight_corridor/band_workers.hpp"
+#include "flight_corridor/corridor/bar_gaps.hpp"
 #include "flight_corridor/corridor/box_patches.hpp"
 #include "flight_corridor/corridor/clear_rays.hpp"
 #include "flight_corridor/corridor/corridor.hpp"
@@ -20,6 +21,7 @@ struct PairEvidence {
   const cv::Mat& depth_m;   ///< CV_32FC1, corrected, NaN = no match.
   const cv::Mat& textured;  ///< CV_8UC1, see Texture.
   const ClearRays& rays;
+  const BarGaps& gaps;
   const EarlierPairs& earlier;  ///< What earlier pairs saw clear, from where the camera is now.
   const EarlierMatches& earlier_matches;  ///< What earlier pairs did not contradict, likewise.
   const ScaleCorrection& correction;

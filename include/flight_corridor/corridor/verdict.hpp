@@ -34,8 +34,8 @@ enum Reason : std::uint32_t {
                             ///< answers alone, or nearly so.
   kLidarRejected = 1u << 10,    ///< Information: the newest LiDAR reading was refused or gated.
   kNoRangeObserved = 1u << 11,  ///< Information: neither sensor gives a range on the beam.
-  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did that images
-                                ///< may miss: thin, small, at the box's edge, or never shown.
+  kRecentlyBlocked = 1u << 12,  ///< UNKNOWN: nothing blocks now, but within corridor/hold_s something did there that
+                                ///< images may miss: thin, small, at a box's edge, or never shown.
   kFrozenImage = 1u << 13,      ///< UNKNOWN: an image equals one of the last eight, with another stamp.
   kAmbiguous = 1u << 14,     ///< UNKNOWN: a patch as large as the smallest obstacle is matched behind the box, but fits
                              ///< in it as well; or a railing's bars may be matched on the wall behind.
@@ -60,7 +60,7 @@ struct Verdict {
   double stamp_s = kNaN;  ///< Of the pair that was judged.
   State state = State::Unknown;
   double clear_distance_m = kNaN;  ///< Along the box's axis to the nearest obstacle; +inf: none, NaN: not judged.
-  double free_distance_m = 0.0;    ///< Up to which the box is free from its start on; 0: not known.
+  double free_distance_m = 0.0;    ///< Up to which the box is free from its start on, in any state; 0: not known.
   double unknown_fraction = 1.0;  ///< Share without a clear ray of the volume in view of both cameras; for a query also
                                   ///< the share out of view [0..1].
   std::uint32_t reasons = 0;      ///< Bit set of Reason.
@@ -78,9 +78,8 @@ struct Verdict {
 std::uint32_t reasonsOf(const BoxEvidence& evidence, const CorridorConfig& config, double& clear_distance_m);
 
 /// How far a box is free from its start on [m]: up to its end, its obstacle, or before that a weak patch, a hole, too
-/// much without a clear ray, or its last quarter if that is out of view. 0 if the verdict is UNKNOWN, or would be for
-/// reasons without a place if nothing blocked: a faulty input, doubt or doubt not searched, too much out of view or too
-/// near.
+/// much without a clear ray, or its last quarter if that is out of view. 0 if a reason against FREE has no place: a
+/// faulty input, doubt or doubt not searched, too much out of view or too near.
 double freeDistance(const Verdict& verdict, const BoxEvidence& evidence, const CorridorConfig& config, const Box& box);
 
 /// Reasons from the two sensors on the beam.
