@@ -244,7 +244,7 @@ void Pipeline::decide() {
     side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
   });
   rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
-  gaps_.find(disparity_.best_px, scale(), smallestInspected(corridor));
+  gaps_.find(disparity_.best_px, left_texture_.mask(), scale(), smallestInspected(corridor));
   earlier_.look(disparity_, left_texture_.mask());
   if (config_.speed.mover_mps > 0.0) {
     const auto pose = image_faults_ == 0 ? motion_.pose() : std::nullopt;
@@ -261,8 +261,6 @@ void Pipeline::decide() {
   Verdict& verdict = report_.verdict;
   recent_.moveTo(verdict.stamp_s, motion_.pose(), corridor.hold_s);
   verdict = judge(box_C, inspector_, pair_reasons).front();
-  const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of remembered obstacles
-  if (is_place_unknown && verdict.state == State::Free) verdict.withhold(kRecentlyBlocked);
   verdict.limit(movers_.freeUpTo(box_C, config_.speed));
   report_.clears = clears_ = isTrusted();
   keeps_matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;

@@ -60,7 +60,7 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
 /// @return places in C.
 BoxCells Pipeline::remembered(const Box& box_C) const {
   BoxCells remembered = remembers() ? cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}) : BoxCells();
-  remembered.nearest_M = T_M_C_.inverse() * remembered.nearest_M;
+  remembered.nearest = T_M_C_.inverse() * remembered.nearest;
   if (!motion_.pose()) return remembered;
   const Eigen::Isometry3d &T_V_C = motion_.pose()->T_M_C, T_C_V = T_V_C.inverse();
   const auto counts = [&](const Eigen::Vector3d& centre_V) {
@@ -71,7 +71,7 @@ BoxCells Pipeline::remembered(const Box& box_C) const {
   const BoxCells obstacles = cellsIn(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
   if (obstacles.clear_distance_m < remembered.clear_distance_m) {
     remembered.clear_distance_m = obstacles.clear_distance_m;
-    remembered.nearest_M = T_C_V * obstacles.nearest_M;
+    remembered.nearest = T_C_V * obstacles.nearest;
   }
   return remembered;
 }
@@ -99,7 +99,10 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, 
   for (int i = 0; i < fan_C.size(); ++i) lidar_px.push_back(lidarDisparity(fan_C.box(i)));
   const CorridorConfig& corridor = config_.corridor;
   const double smallest_m = smallestInspected(corridor);
-  const std::vector<double> recent_m = recent_.freeUpTo(fan_C, smallest_m);
+  const bool is_corridor = &inspector == &inspector_;
+  std::vector<double> recent_m = recent_.freeUpTo(fan_C, smallest_m);
+  const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of obstacles of the corridor
+  if (is_corridor && is_place_unknown) recent_m = {0.0};
   const std::vector<BoxEvidence>& shown =
       inspector.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
   std::vector<Verdict> verdicts;
@@ -110,10 +113,10 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, 
     verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, cells, recent_m[i]));
     if (verdicts[i].state != State::Blocked || isShown(verdicts[i], shown[i].patches, smallest_m)) continue;
     if (const auto end = beamEndIn(box_C)) unshown_C.push_back(end->at_C);
-    if (cells.clear_distance_m < kInfinity) unshown_C.push_back(cells.nearest_M);
+    if (cells.clear_distance_m < kInfinity) unshown_C.push_back(cells.nearest);
   }
-  const bool is_blocked = fan_C.size() == 1 && verdicts.front().state == State::Blocked;
-  recent_.add(inspector.missable(), unshown_C, is_blocked);
+  if (is_corridor && verdicts.front().state == State::Blocked) recent_.onBlocked();
+  recent_.add(inspector.missable(), unshown_C, is_corridor);
   return verdicts;
 }
 
@@ -194,8 +197,9 @@ LevelScan Pipeline::levelScan(const Eigen::Matrix3d& R_C_H) {
   ahead_C.T_M_F.translate(R_C_H.col(2).dot(corridor_C.T_M_F.translation()) * Eigen::Vector3d::UnitZ());
   const std::vector<Verdict> verdicts = judge({ahead_C, gridAngles(-scan.first_yaw_rad, scan.step_rad), {0.0}});
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    const double range_m = verdicts[i].state == State::Free ? kInfinity : verdicts[i].free_distance_m;
-    if (range_m > 0.0) scan.range_m[i] = range_m;
+    const Verdict& verdict = verdicts[i];
+    if (verdict.state == State::Free) scan.range_m[i] = kInfinity;
+    if (verdict.state == State::Blocked && verdict.free_distance_m > 0.0) scan.range_m[i] = verdict.free_distance_m;
   }
   return scan;
 }

@@ -26,11 +26,12 @@ class BarGapsTest : public testing::Test {
     put(below, below_m);
   }
   double freeUpTo(const Box& box_C = kCorridor) {
-    gaps_.find(disparity_px_, ScaleCorrection(ScaleConfig()), kSmallest_m);
+    gaps_.find(disparity_px_, textured_, ScaleCorrection(ScaleConfig()), kSmallest_m);
     return gaps_.freeUpTo(box_C, kSmallest_m).front();
   }
 
   cv::Mat disparity_px_ = cv::Mat(kVgaGeometry.size(), CV_32FC1, cv::Scalar(kVgaGeometry.disparity(10.0)));
+  cv::Mat textured_ = cv::Mat(kVgaGeometry.size(), CV_8UC1, cv::Scalar(255));
   BarGaps gaps_{kVgaGeometry};
 };
 
@@ -51,6 +52,15 @@ TEST_F(BarGapsTest, RowsThatAreMissingDoNotPartAPiece) {
   putStem({310, 0, 14, 150}, {310, 330, 14, 150});
   for (int v = 2; v < 480; v += 3) disparity_px_.row(v).setTo(kNaN);
   EXPECT_NEAR(freeUpTo(), 2.0, 0.05);
+}
+
+TEST_F(BarGapsTest, MatchesWithoutTextureAreChance) {
+  putStem({310, 0, 14, 150}, {310, 330, 14, 150});
+  put({290, 150, 54, 180}, 1.9);
+  textured_(cv::Rect(290, 150, 54, 180)).setTo(0);
+  EXPECT_NEAR(freeUpTo(), 2.0, 0.05) << "they fill no gap";
+  textured_(cv::Rect(310, 330, 14, 150)).setTo(0);
+  EXPECT_EQ(freeUpTo(), kInfinity) << "nor do they make a piece";
 }
 
 TEST_F(BarGapsTest, TwoStemsOneBehindTheOtherAreNotOne) {

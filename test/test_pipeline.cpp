@@ -228,6 +228,23 @@ TEST(Pipeline, AThinThingBesideABroadOneKeepsTheHoldTime) {
   EXPECT_EQ(afterBoards({{130, 30}, {175, 5}}).state, State::Unknown);
 }
 
+TEST(Pipeline, SomethingThinIsHeldInEveryDirectionWhereItStood) {
+  Pipeline pipeline(Config(), kSmallGeometry, Rig());
+  const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
+  pipeline.process(boardsFrame({{160, 5}}, 1.0), still);
+  ASSERT_EQ(pipeline.freeAreas().areas[32].verdict.state, State::Blocked);
+  pipeline.process(wallFrame(kSmallGeometry, 3, 1.1), still);
+  const AreaGrid areas = pipeline.freeAreas();
+  const Verdict asked = pipeline.query(pipeline.box());
+  for (const Verdict* held : {&areas.areas[31].verdict, &areas.areas[32].verdict, &asked}) {
+    EXPECT_EQ(held->state, State::Unknown);
+    EXPECT_TRUE(held->reasons & kRecentlyBlocked);
+    EXPECT_GT(held->free_distance_m, 1.0) << "up to where it stood";
+    EXPECT_LT(held->free_distance_m, 4.0);
+  }
+  EXPECT_FALSE(areas.areas[26].verdict.reasons & kRecentlyBlocked) << "30 degrees aside";
+}
+
 TEST(Pipeline, AfterTheLidarAloneBlockedNothingIsFreeForTheHoldTime) {
   Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 3.0));

@@ -80,12 +80,14 @@ TEST_F(RecentObstaclesTest, WhatNoPatchShowsRemainsWhateverItsSize) {
 TEST_F(RecentObstaclesTest, WhereItIsNotKnownNothingIsFree) {
   seeABranch();
   EXPECT_EQ(freeUpTo(10.1, std::nullopt), 0.0);
-  EXPECT_EQ(freeUpTo(10.2, at({0, 0, 0})), 0.0) << "nobody knows by how much it moved";
+  EXPECT_NEAR(freeUpTo(10.2), 2.0, 1e-5) << "the motion is known again";
+  EXPECT_EQ(freeUpTo(10.2, at({0, 0, 0}, 1)), 0.0) << "of another series";
+  CameraPose vague = at({0, 0, 0});
+  vague.translation.own = 0.01;
+  EXPECT_EQ(freeUpTo(10.2, vague), 0.0) << "too uncertain";
   EXPECT_EQ(freeUpTo(10.3), kInfinity);
-  seeABranch();
-  EXPECT_EQ(freeUpTo(10.1, at({0, 0, 0}, 1)), 0.0) << "of another series";
   seeABranch(0.002, std::nullopt);
-  EXPECT_EQ(freeUpTo(10.1, std::nullopt), 0.0);
+  EXPECT_EQ(freeUpTo(10.1), 0.0);
 }
 
 TEST_F(RecentObstaclesTest, WithoutAPlaceOnlyWhatBlockedTheCorridorRemains) {
@@ -96,7 +98,7 @@ TEST_F(RecentObstaclesTest, WithoutAPlaceOnlyWhatBlockedTheCorridorRemains) {
 
 TEST_F(RecentObstaclesTest, ForAnotherRigAllMayRemain) {
   recent_.moveTo(10.0, at({0, 0, 0}), kHold_s);
-  recent_.add({}, {}, true);  // by a large patch
+  recent_.onBlocked();  // by a large patch
   EXPECT_EQ(freeUpTo(10.1), kInfinity);
   RecentObstacles after;
   after.takeOver(recent_);

@@ -17,24 +17,28 @@ constexpr double kLean = 0.35;                      // of a gap's height: so far
 
 }  // namespace
 
-void BarGaps::find(const cv::Mat& disparity_px, const ScaleCorrection& correction, double smallest_m) {
-  findRuns(disparity_px, correction, smallest_m);
+void BarGaps::find(const cv::Mat& disparity_px, const cv::Mat& textured, const ScaleCorrection& correction,
+                   double smallest_m) {
+  matches_px_.create(disparity_px.size(), CV_32FC1);
+  matches_px_.setTo(kNaN);
+  disparity_px.copyTo(matches_px_, textured);
+  findRuns(correction, smallest_m);
   join();
   gaps_C_.clear();
   for (const Piece& piece : pieces_) {
     if (const Piece* next = below(piece)) {
-      gaps_C_.push_back(between(piece, *next, disparity_px, correction, smallest_m));
+      gaps_C_.push_back(between(piece, *next, correction, smallest_m));
     }
   }
 }
 
-void BarGaps::findRuns(const cv::Mat& disparity_px, const ScaleCorrection& correction, double smallest_m) {
+void BarGaps::findRuns(const ScaleCorrection& correction, double smallest_m) {
   runs_.clear();
   rows_.clear();
-  const int width = disparity_px.cols;
-  for (int v = 0; v < disparity_px.rows; ++v) {
+  const int width = matches_px_.cols;
+  for (int v = 0; v < matches_px_.rows; ++v) {
     rows_.push_back(runs_.size());
-    const auto* row = disparity_px.ptr<float>(v);
+    const auto* row = matches_px_.ptr<float>(v);
     const auto isFarther = [&](int u, int step, float bar_px) {
       for (int i = 0; i < kEdgeWidth_px; ++i, u += step) {
         if (u < 0 || u >= width) return false;
@@ -106,11 +110,12 @@ const BarGaps::Piece* BarGaps::below(const Piece& piece) const {
   return next;
 }
 
-/// As wide as the bar without the matches beside its edges; where something is matched as near, there is no gap.
-std::vector<PatchPoint> BarGaps::between(const Piece& above, const Piece& below, const cv::Mat& disparity_px,
-                                         const ScaleCorrection& correction, double smallest_m) const {
+/// As near as its nearer piece, as wide as the bar without the matches beside its edges; where something is matched as
+/// near, there is no gap.
+std::vector<PatchPoint> BarGaps::between(const Piece& above, const Piece& below, const ScaleCorrection& correction,
+                                         double smallest_m) const {
   std::vector<PatchPoint> points_C;
-  const double bar_px = 0.5 * (above.disparity_px + below.disparity_px);
+  const double bar_px = std::max(above.disparity_px, below.disparity_px) + kMatchNoise_px;
   const double depth_m = geometry_.depth(correction.correct(bar_px)), pixel_m = depth_m / geometry_.calibration().fx_px;
   const double pixel_m2 = pixel_m * std::max(pixel_m, smallest_m / kEdgeWidth_px);
   const double half_px = std::max(1.0, 0.5 * (std::min(above.width_px, below.width_px) - kEdgeWidth_px));
@@ -118,9 +123,9 @@ std::vector<PatchPoint> BarGaps::between(const Piece& above, const Piece& below,
     const double along = static_cast<double>(v - above.last_v) / (below.first_v - above.last_v);
     const double u = above.last_u + along * (below.first_u - above.last_u);
     const int first = std::max(0, static_cast<int>(std::lround(u - half_px)));
-    const int last = std::min(disparity_px.cols - 1, static_cast<int>(std::lround(u + half_px)));
+    const int last = std::min(matches_px_.cols - 1, static_cast<int>(std::lround(u + half_px)));
     for (int i = first; i <= last; ++i) {
-      if (disparity_px.at<float>(v, i) > bar_px - kSameSurface_px) continue;
+      if (matches_px_.at<float>(v, i) > bar_px - kSameSurface_px) continue;
       points_C.push_back({geometry_.point(i, v, depth_m).cast<float>(), static_cast<float>(pixel_m2)});
     }
   }
@@ -129,7 +134,7 @@ std::vector<PatchPoint> BarGaps::between(const Piece& above, const Piece& below,
 
 std::vector<double> BarGaps::freeUpTo(const Fan& fan_C, double smallest_m) const {
   std::vector<double> free_m(fan_C.size(), kInfinity);
-  for (const std::vector<PatchPoint>& gap_C : gaps_C_) limit(fan_C, fan_C.T_F_C(), gap_C, smallest_m, free_m);
+  for (const std::vector<PatchPoint>& gap_C : gaps_C_) shorten(fan_C, fan_C.T_F_C(), gap_C, smallest_m, free_m);
   return free_m;
 }
 

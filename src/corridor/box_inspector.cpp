@@ -34,7 +34,7 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   for (int i = 0; i < fan.size(); ++i) {  // of many, one with a hole is UNKNOWN already unless a patch blocks it
     BoxEvidence& evidence = evidence_[i];
     const auto blocks = [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); };
-    const bool is_open = is_one || !evidence.unobserved.hasHole() ||
+    const bool is_open = is_one || evidence.unobserved.hole_along_m > config.width_m ||
                          std::any_of(evidence.patches.begin(), evidence.patches.end(), blocks);
     evidence.is_doubt_searched = is_open;
     evidence.is_ambiguous = is_open && railings_.mayBeIn(fan.box(i), lidar_px[i]);

@@ -31,8 +31,8 @@ struct BoxPatches::Plane {
 
 bool BoxPatch::isMissable() const { return around_m2 < kLarge_m2 || in_middle_m2 < kLarge_m2; }
 
-void limit(const Fan& fan, const Eigen::Isometry3f& T_F_P, const std::vector<PatchPoint>& points_P, double smallest_m,
-           std::vector<double>& free_m) {
+void shorten(const Fan& fan, const Eigen::Isometry3f& T_F_P, const std::vector<PatchPoint>& points_P, double smallest_m,
+             std::vector<double>& free_m) {
   std::vector<BoxPatch> patches(fan.size());
   for (const PatchPoint& point : points_P) {
     fan.visit(T_F_P * point.at, 0.0f, [&](int direction, const Eigen::Vector3f& at) {
@@ -160,18 +160,21 @@ void BoxPatches::measure(const Fan& fan, const Point* first, const Point* end, d
   if (is_missable) keepMissable(fan, first, end, smallest_m);
 }
 
-/// Of a row every n-th point, of the next row others: a thin patch keeps some.
+/// Every n-th point, which stands for n.
 void BoxPatches::keepMissable(const Fan& fan, const Point* first, const Point* end, double smallest_m) {
+  const Eigen::Isometry3f T_C_F = fan.T_F_C().inverse();
+  double due = 0.0;
   for (const Point* point = first; point != end; ++point) {
-    const int step = std::max(1, static_cast<int>(smallest_m / (kKept * point->edge_m)));
-    if ((point->u + 2 * point->v) % step != 0) continue;
     bool is_kept = false;
     fan.visit(point->hit_F, 0.0f, [&](int direction, const Eigen::Vector3f&) {
       is_kept |= sums_[direction].blocks(smallest_m * smallest_m) && sums_[direction].isMissable();
     });
-    if (!is_kept) continue;
+    const double step = std::max(1.0, smallest_m / (kKept * point->edge_m));
+    if (is_kept) due += 1.0 / step;
+    if (due < 1.0) continue;
+    due -= 1.0;
     const double pixel_m2 = point->edge_m * std::max<double>(point->edge_m, smallest_m / kEdgeWidth_px);
-    missable_C_.push_back({fan.T_F_C().inverse() * point->hit_F, static_cast<float>(step * pixel_m2)});
+    missable_C_.push_back({T_C_F * point->hit_F, static_cast<float>(step * pixel_m2)});
   }
 }
 

@@ -71,7 +71,7 @@ BoxCells cellsIn(const octomap::OcTree& tree, const Box& box,
           const double begin_m = std::max(0.0, forward_M.dot(cell_M - box.T_M_F.translation()) - half_cell_m);
           if (begin_m >= cells.clear_distance_m) continue;
           cells.clear_distance_m = begin_m;
-          cells.nearest_M = cell_M;
+          cells.nearest = cell_M;
         }
       }
     }

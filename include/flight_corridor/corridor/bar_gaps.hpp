@@ -16,9 +16,9 @@ class BarGaps {
  public:
   explicit BarGaps(const StereoGeometry& geometry) : geometry_(geometry) {}
 
-  /// @param disparity_px a pair's matches, CV_32FC1 [px], NaN = no match.  @param correction of these.
-  /// @param smallest_m edge of the smallest obstacle.
-  void find(const cv::Mat& disparity_px, const ScaleCorrection& correction, double smallest_m);
+  /// @param disparity_px a pair's matches, CV_32FC1 [px], NaN = no match.  @param textured see Texture: others are
+  /// chance.  @param correction of these.  @param smallest_m edge of the smallest obstacle.
+  void find(const cv::Mat& disparity_px, const cv::Mat& textured, const ScaleCorrection& correction, double smallest_m);
 
   /// How far each direction's box is free of them, along its axis [m]; +inf: to the end.
   std::vector<double> freeUpTo(const Fan& fan_C, double smallest_m) const;
@@ -38,14 +38,15 @@ class BarGaps {
     double first_u = 0.0, last_u = 0.0;         // middle of its first and of its last rows
   };
 
-  void findRuns(const cv::Mat& disparity_px, const ScaleCorrection& correction, double smallest_m);
+  void findRuns(const ScaleCorrection& correction, double smallest_m);
   void join();
   void measure(Piece& piece) const;
   const Piece* below(const Piece& piece) const;
-  std::vector<PatchPoint> between(const Piece& above, const Piece& below, const cv::Mat& disparity_px,
-                                  const ScaleCorrection& correction, double smallest_m) const;
+  std::vector<PatchPoint> between(const Piece& above, const Piece& below, const ScaleCorrection& correction,
+                                  double smallest_m) const;
 
   StereoGeometry geometry_;
+  cv::Mat matches_px_;  // those with texture
   std::vector<Run> runs_;
   std::vector<std::size_t> rows_;  // where a row's runs begin
   std::vector<Piece> pieces_;

@@ -28,11 +28,11 @@ struct PatchPoint {
   float shown_m2;
 };
 
-/// Lessens how far boxes are free to where points that together show an obstacle begin in them, along their axes.
+/// Shortens how far boxes are free to where points that together show an obstacle begin in them, along their axes.
 /// @param T_F_P turns the points into the fan's frame.  @param smallest_m edge of the smallest obstacle.
 /// @param free_m per direction [m].
-void limit(const Fan& fan, const Eigen::Isometry3f& T_F_P, const std::vector<PatchPoint>& points_P, double smallest_m,
-           std::vector<double>& free_m);
+void shorten(const Fan& fan, const Eigen::Isometry3f& T_F_P, const std::vector<PatchPoint>& points_P, double smallest_m,
+             std::vector<double>& free_m);
 
 /// What the newest pair's matches show in boxes: connected pieces of one surface, and where they begin, more exactly
 /// than single matches are: planes are fitted to them. One object, one thread.

@@ -23,7 +23,7 @@ struct CorridorConfig {
   double blind_m = 0.4;               ///< Space nearer to the camera need not have been observed.
   double max_unknown_fraction = 0.3;  ///< With more unobserved volume: UNKNOWN, even without a hole.
   double smallest_obstacle_m = 0.05;  ///< Edge of a square: the size of a patch, a hole or doubt.
-  double hold_s = 0.25;    ///< No FREE for this long after BLOCKED, unless a large patch is seen to have gone.
+  double hold_s = 0.25;    ///< No FREE for this long where something blocked, unless a large patch is seen to have gone.
   double memory_s = 1.5;   ///< Space that earlier pairs saw clear counts as clear for so long; 0: not at all.
   double max_age_s = 0.5;  ///< Evidence older than this: UNKNOWN.
 };
@@ -36,7 +36,7 @@ double smallestInspected(const CorridorConfig& config);
 /// An octree's memory of a box, by the cells centred in it.
 struct BoxCells {
   double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell.
-  Eigen::Vector3d nearest_M{kNaN, kNaN, kNaN};  ///< Centre of that cell; NaN: none.
+  Eigen::Vector3d nearest{kNaN, kNaN, kNaN};  ///< Centre of that cell, in the frame of the box's pose; NaN: none.
   double unknown_fraction = 1.0;  ///< Share of unknown cells; 1 for a box thinner than a cell.
 };
 /// @param counts whether an occupied cell counts, by its centre.

@@ -21,27 +21,32 @@ class RecentObstacles {
 
   /// What of this pair blocks boxes of a fan, and images may miss.
   /// @param patches_C points of patches, see BoxPatches::missable().  @param unshown_C what no patch shows.
-  /// @param is_blocked whether it is the corridor that is blocked, by anything.
-  void add(const std::vector<PatchPoint>& patches_C, const std::vector<Eigen::Vector3d>& unshown_C, bool is_blocked);
+  /// @param is_corridor whether the fan is the corridor: while the place of its obstacles is not known, nothing is free.
+  void add(const std::vector<PatchPoint>& patches_C, const std::vector<Eigen::Vector3d>& unshown_C, bool is_corridor);
+
+  /// The corridor is blocked at this pair, by anything.
+  void onBlocked() { blocked_s_ = stamp_s_; }
 
   /// How far each direction's box is free of what was seen before this pair, along its axis [m]; +inf: to the end.
   /// @param smallest_m edge of the smallest obstacle, as of BoxPatches.
   std::vector<double> freeUpTo(const Fan& fan_C, double smallest_m) const;
 
-  /// From another rig: where its obstacles are now is not known.
-  void takeOver(const RecentObstacles& before) { lost_s_ = blocked_s_ = before.blocked_s_; }
+  /// From another rig: where the corridor's obstacles are now is not known.
+  void takeOver(const RecentObstacles& before);
 
  private:
   struct Sighting {  // of one pair, in one fan
+    int pair;
     double stamp_s;
-    std::vector<PatchPoint> points_V;
+    std::optional<CameraPose> pose;
+    std::vector<PatchPoint> points_C;
+    bool is_corridor;
   };
 
-  double hold_s_ = 0.0, stamp_s_ = kNaN;
+  double stamp_s_ = kNaN, blocked_s_ = -kInfinity;
+  int pair_ = 0;
   std::optional<CameraPose> pose_;
   std::deque<Sighting> sightings_;
-  // Stamps: when the corridor was blocked last, by anything, by what images may miss; and by what has lost its place.
-  double blocked_s_ = -kInfinity, missable_s_ = -kInfinity, lost_s_ = -kInfinity;
 };
 
 }  // namespace flight_corridor
