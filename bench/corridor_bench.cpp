@@ -41,6 +41,7 @@ void BM_Corridor(benchmark::State& state) {
   correctedDepth(disparity.best_px, correction, geometry, depth_m);
   Texture left_texture, right_texture;
   ClearRays rays(geometry);
+  BarGaps gaps(geometry);
   const EarlierPairs earlier(geometry);
   const EarlierMatches earlier_matches(geometry, estimator.nearestDepth());
   BoxInspector inspector(geometry);
@@ -54,8 +55,9 @@ void BM_Corridor(benchmark::State& state) {
   for (auto _ : state) {
     left_texture.find(pair.left);
     rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
+    gaps.find(disparity.best_px, left_texture.mask(), correction, config.smallest_obstacle_m);
     const PairEvidence evidence{
-        pair,    disparity,       depth_m,    left_texture.mask(),     rays,
+        pair, disparity,       depth_m,    left_texture.mask(),     rays, gaps,
         earlier, earlier_matches, correction, estimator.nearestDepth()};
     benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config, lidar_px, estimator.workers()));
   }

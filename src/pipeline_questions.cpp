@@ -184,7 +184,8 @@ const AreaGrid& Pipeline::freeAreas(const std::optional<Eigen::Vector3d>& goal_C
   }
   const Eigen::Vector3d ahead_C = rig_.T_C_F.linear().col(0);
   const Eigen::Vector3d goal_F = rig_.T_C_F.linear().transpose() * goal_C.value_or(ahead_C);
-  free_areas_.best = bestArea(free_areas_, goal_F, config.step_rad, config_.corridor.width_m, config_.speed);
+  free_areas_.best = bestArea(free_areas_, goal_F, config.step_rad);
+  free_areas_.way = bestWay(free_areas_, goal_F, config_.corridor.width_m, config_.speed);
   return free_areas_;
 }
 

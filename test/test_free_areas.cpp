@@ -24,8 +24,12 @@ AreaGrid marked(const char (&marks)[16]) {
   return grid;
 }
 
-int bestOf(const char (&marks)[16], const Eigen::Vector3d& goal_F = kAhead) {
-  return bestArea(marked(marks), goal_F, kStep_rad, kWidth_m, SpeedConfig());
+int wayOf(const char (&marks)[16], const Eigen::Vector3d& goal_F = kAhead) {
+  AreaGrid grid = marked(marks);
+  grid.best = bestArea(grid, goal_F, kStep_rad);
+  const int way = bestWay(grid, goal_F, kWidth_m, SpeedConfig());
+  EXPECT_TRUE(grid.best < 0 || grid.areas[grid.best].verdict.state == State::Free);
+  return way;
 }
 
 TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {
@@ -43,30 +47,31 @@ TEST(FreeAreas, ADirectionLooksToItsYawAndPitch) {
 }
 
 TEST(FreeAreas, TheBestIsTheFreeOneNearestToTheGoal) {
-  EXPECT_EQ(bestOf("..............."), -1);
-  EXPECT_EQ(bestOf("+++++++++++++++"), 7);
-  EXPECT_EQ(bestOf(".....++........"), 6);
-  EXPECT_EQ(bestOf("+++++++++++++++", {1.0, 0.2, 0.0}), 9) << "to the left";
-  EXPECT_EQ(bestOf("+++++++++++++++", {-5.0, 5.0, 0.0}), 9)
+  EXPECT_EQ(wayOf("..............."), -1);
+  EXPECT_EQ(wayOf("+++++++++++++++"), 7);
+  EXPECT_EQ(wayOf(".....++........"), 6);
+  EXPECT_EQ(wayOf("+++++++++++++++", {1.0, 0.2, 0.0}), 9) << "to the left";
+  EXPECT_EQ(wayOf("+++++++++++++++", {-5.0, 5.0, 0.0}), 9)
       << "as near to a goal behind as it can";
-  EXPECT_EQ(bestOf(".....+...+.....", {1.0, -0.1, 0.1}), 5);
+  EXPECT_EQ(wayOf(".....+...+.....", {1.0, -0.1, 0.1}), 5);
 }
 
 TEST(FreeAreas, OfTwoAsNearTheOneWithMoreBesideItIsBetter) {
-  EXPECT_EQ(bestOf("......+.++....."), 8);
-  EXPECT_EQ(bestOf(".....++.+......"), 6);
+  EXPECT_EQ(wayOf("......+.++....."), 8);
+  EXPECT_EQ(wayOf(".....++.+......"), 6);
 }
 
 TEST(FreeAreas, AShorterWayIsBetterOnlyWhereItGetsNearerToTheGoalFaster) {
-  EXPECT_EQ(bestOf(".......3......."), 7) << "nothing is FREE";
-  EXPECT_EQ(bestOf(".......3..+....", {0.0, 1.0, 0.0}), 10);
-  EXPECT_EQ(bestOf("......43..+...."), 10) << "a FREE one as near to the goal is faster";
-  EXPECT_EQ(bestOf(".......4..+....", {1.0, 9.0, 0.0}), 7) << "that leads away";
-  EXPECT_EQ(bestOf("......44......."), 7) << "nearer to the goal";
+  EXPECT_EQ(wayOf(".......3......."), 7) << "nothing is FREE";
+  EXPECT_EQ(bestArea(marked(".......3......."), kAhead, kStep_rad), -1);
+  EXPECT_EQ(wayOf(".......3..+....", {0.0, 1.0, 0.0}), 10);
+  EXPECT_EQ(wayOf("......43..+...."), 10) << "a FREE one as near to the goal is faster";
+  EXPECT_EQ(wayOf(".......4..+....", {1.0, 9.0, 0.0}), 7) << "that leads away";
+  EXPECT_EQ(wayOf("......44......."), 7) << "nearer to the goal";
 }
 
 TEST(FreeAreas, NoWayIsUsableThatEndsBeforeTheUavCanTurn) {
-  EXPECT_EQ(bestOf(".......1......."), -1);
+  EXPECT_EQ(wayOf(".......1......."), -1);
   Verdict verdict;
   verdict.free_distance_m = 3.0;
   EXPECT_DOUBLE_EQ(usableDistance(verdict, kWidth_m), 1.8);
@@ -78,19 +83,19 @@ TEST(FreeAreas, NoWayIsUsableThatEndsBeforeTheUavCanTurn) {
 }
 
 TEST(FreeAreas, AWayThatLeadsAwayIsTakenOnlyIfItIsFree) {
-  EXPECT_EQ(bestOf(".......+.......", -kAhead), 7);
-  EXPECT_EQ(bestOf(".......3.......", -kAhead), -1);
+  EXPECT_EQ(wayOf(".......+.......", -kAhead), 7);
+  EXPECT_EQ(wayOf(".......3.......", -kAhead), -1);
 }
 
 TEST(FreeAreas, AGoalMayBeOfAnyLength) {
   for (const double length : {1e-200, 1e200}) {
-    EXPECT_EQ(bestOf("+++++++++++++++", length * Eigen::Vector3d(1.0, 0.2, 0.0)), 9) << length;
+    EXPECT_EQ(wayOf("+++++++++++++++", length * Eigen::Vector3d(1.0, 0.2, 0.0)), 9) << length;
   }
 }
 
 TEST(FreeAreas, AGoalThatIsNoneIsAhead) {
   for (const Eigen::Vector3d& none : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNaN, 0.0, 1.0)}) {
-    EXPECT_EQ(bestOf("+++++++++++++++", none), 7);
+    EXPECT_EQ(wayOf("+++++++++++++++", none), 7);
   }
 }
 

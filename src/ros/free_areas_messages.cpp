@@ -122,17 +122,18 @@ visualization_msgs::MarkerArray toMarkers(const std_msgs::Header& header, const 
   array.markers.push_back(tiles);
 
   const Eigen::Vector3d from_C = box_C.T_M_F.translation();
+  const double length_m = box_C.size_m.x();
   Marker best = marker(header, kBest, areas.best < 0 ? Marker::DELETE : Marker::ADD);
   if (areas.best >= 0) {
     const FreeArea& area = areas.areas[static_cast<std::size_t>(areas.best)];
-    best = arrow(best, from_C, from_C + area.verdict.free_distance_m * box_C.T_M_F.linear() * ahead(area), 0.06);
+    best = arrow(best, from_C, from_C + length_m * box_C.T_M_F.linear() * ahead(area), 0.06);
     best.color.r = best.color.g = best.color.b = best.color.a = 1.0f;
   }
   array.markers.push_back(best);
 
   Marker goal = marker(header, kGoal, goal_C ? Marker::ADD : Marker::DELETE);
   if (goal_C) {
-    goal = arrow(goal, from_C, from_C + 1.1 * box_C.size_m.x() * goal_C->normalized(), 0.03);
+    goal = arrow(goal, from_C, from_C + 1.1 * length_m * goal_C->normalized(), 0.03);
     goal.color.r = 0.1f;
     goal.color.g = 0.55f;
     goal.color.b = goal.color.a = 1.0f;

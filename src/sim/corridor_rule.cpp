@@ -34,8 +34,8 @@ Way CorridorRule::judge(const Observation& observation) {
   pipeline_.process(observation.pair, T_W_C);
   areas_ = &pipeline_.freeAreas(T_W_C.linear().transpose() * (observation.goal_W - T_W_C.translation()));
   Way way;
-  if (areas_->best >= 0) {
-    const FreeArea& best = areas_->areas[static_cast<std::size_t>(areas_->best)];
+  if (areas_->way >= 0) {
+    const FreeArea& best = areas_->areas[static_cast<std::size_t>(areas_->way)];
     way.direction_W = T_W_F_.linear() * ahead(best);
     way.free_m = usableDistance(best.verdict, pipeline_.config().corridor.width_m);
   }

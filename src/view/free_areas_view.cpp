@@ -25,18 +25,14 @@ std::string degrees(double angle_rad, const char* positive, const char* negative
 }
 
 std::string describe(const AreaGrid& areas) {
-  if (areas.best < 0) return "no way";
+  if (areas.best < 0) return "no direction is free";
   const FreeArea& best = areas.areas[static_cast<std::size_t>(areas.best)];
   std::string text = "best:";
   constexpr double kAhead_rad = 0.5 * M_PI / 180.0;  // rounds to no degree
   const bool turns = std::abs(best.yaw_rad) > kAhead_rad, climbs = std::abs(best.pitch_rad) > kAhead_rad;
   if (turns) text += " " + degrees(best.yaw_rad, "left", "right");
   if (climbs) text += (turns ? ", " : " ") + degrees(best.pitch_rad, "up", "down");
-  if (!turns && !climbs) text += " straight ahead";
-  if (best.verdict.state == State::Free) return text;
-  std::array<char, 32> reach;
-  std::snprintf(reach.data(), reach.size(), ", free for %.1f m", best.verdict.free_distance_m);
-  return text + reach.data();
+  return turns || climbs ? text : text + " straight ahead";
 }
 
 void ring(cv::Mat& image, cv::Point at, int radius_px) {

@@ -30,7 +30,8 @@ struct FreeArea {
 struct AreaGrid {
   int columns = 0, rows = 0;
   std::vector<FreeArea> areas;
-  int best = -1;  ///< Index of the best direction, see bestArea(); -1: there is none.
+  int best = -1;  ///< Index of the best FREE direction, see bestArea(); -1: no direction is FREE.
+  int way = -1;   ///< Of the best one to fly along, see bestWay(); -1: none.
 };
 
 /// The nearest obstacles around, in a level layer as high as the corridor.
@@ -52,14 +53,17 @@ AreaGrid areaGrid(const FreeAreasConfig& config);
 /// Unit vector of a direction in the corridor's frame.
 Eigen::Vector3d ahead(const FreeArea& area);
 
+/// The FREE direction nearest to a wanted one; of those equally near, to a step, the one with most FREE neighbours.
+/// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
+/// @return -1: no direction is FREE.
+int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
+
 /// How far the UAV may fly along a direction and still turn on the spot: where it is not FREE, a box's width less [m].
 double usableDistance(const Verdict& verdict, double width_m);
 
-/// The FREE direction nearest to a wanted one, unless another, usable for a shorter way, gets the UAV nearer faster.
-/// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
+/// The best direction, unless along another, usable for a shorter way, the UAV gets nearer to the goal faster.
 /// @param width_m of the corridor.  @param speed how the UAV brakes.
 /// @return -1: none is usable.
-int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad, double width_m,
-             const SpeedConfig& speed);
+int bestWay(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed);
 
 }  // namespace flight_corridor
