@@ -178,6 +178,7 @@ void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
     obstacles_.clear();
     series_ = pose->series;
   }
+  if (pose) known_V_C_ = pose->T_M_C, known_s_ = stamp_s;
   earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
   earlier_matches_.moveTo(stamp_s, pose, config_.corridor.memory_s);
 }

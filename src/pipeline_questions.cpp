@@ -16,6 +16,7 @@ constexpr std::uint32_t kMapInDoubt =  // reasons of a frame without evidence, o
 
 constexpr double kMostUnknown = 0.1;     // of a box that is asked about
 constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
+constexpr double kFastest_mps = 7.0;     // of a box's end: the UAV flies, and turns
 constexpr double kSameObstacle_m = 0.15;  // so far apart a verdict's distance and a patch's beginning are of one
 
 /// Whether a patch shows what blocks a box.
@@ -76,6 +77,16 @@ BoxCells Pipeline::remembered(const Box& box_C) const {
   return remembered;
 }
 
+/// Whether a remembered obstacle may be in a box while nobody knows where the camera is: one that was no farther from it,
+/// at the last known pose, than the camera and the box may have moved since.
+bool Pipeline::mayHoldLostObstacle(const Box& box_C) const {
+  if (motion_.pose() || obstacles_.tree().size() == 0) return false;
+  const double moved_m = kFastest_mps * (report_.verdict.stamp_s - known_s_);
+  if (!(moved_m <= config_.map.max_range_m)) return true;
+  const Eigen::Isometry3d T_V_F = known_V_C_ * box_C.T_M_F * Eigen::Translation3d(-moved_m, 0.0, 0.0);
+  return cellsIn(obstacles_.tree(), {T_V_F, box_C.size_m.array() + 2.0 * moved_m}).clear_distance_m < kInfinity;
+}
+
 /// The verdict on a box, except for what belongs to the corridor, a query or a fan alone.
 /// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
 /// @param recent_m so far it is free of obstacles of the last moments that images may miss.
@@ -99,10 +110,7 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, 
   for (int i = 0; i < fan_C.size(); ++i) lidar_px.push_back(lidarDisparity(fan_C.box(i)));
   const CorridorConfig& corridor = config_.corridor;
   const double smallest_m = smallestInspected(corridor);
-  const bool is_corridor = &inspector == &inspector_;
-  std::vector<double> recent_m = recent_.freeUpTo(fan_C, smallest_m);
-  const bool is_place_unknown = !motion_.pose() && obstacles_.tree().size() > 0;  // of obstacles of the corridor
-  if (is_corridor && is_place_unknown) recent_m = {0.0};
+  const std::vector<double> recent_m = recent_.freeUpTo(fan_C, smallest_m);
   const std::vector<BoxEvidence>& shown =
       inspector.inspect(fan_C, evidence(), corridor, lidar_px, disparity_estimator_.workers());
   std::vector<Verdict> verdicts;
@@ -110,11 +118,13 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, 
   for (int i = 0; i < fan_C.size(); ++i) {
     const Box box_C = fan_C.box(i);
     const BoxCells cells = remembered(box_C);
-    verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, cells, recent_m[i]));
+    const double known_m = mayHoldLostObstacle(box_C) ? 0.0 : recent_m[i];
+    verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, cells, known_m));
     if (verdicts[i].state != State::Blocked || isShown(verdicts[i], shown[i].patches, smallest_m)) continue;
     if (const auto end = beamEndIn(box_C)) unshown_C.push_back(end->at_C);
     if (cells.clear_distance_m < kInfinity) unshown_C.push_back(cells.nearest);
   }
+  const bool is_corridor = &inspector == &inspector_;
   if (is_corridor && verdicts.front().state == State::Blocked) recent_.onBlocked();
   recent_.add(inspector.missable(), unshown_C, is_corridor);
   return verdicts;
@@ -137,7 +147,8 @@ Verdict Pipeline::query(const Box& box) const {
   const BoxEvidence& shown =
       query_inspector_.inspect(box_C, evidence(), asked, {lidarDisparity(box_C)}, disparity_estimator_.workers())
           .front();
-  const double recent_m = recent_.freeUpTo(box_C, smallestInspected(asked)).front();
+  const double recent_m =
+      mayHoldLostObstacle(box_C) ? 0.0 : recent_.freeUpTo(box_C, smallestInspected(asked)).front();
   const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
   Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C), recent_m);
   double unknown = unknownShare(box_C, shown.unobserved);

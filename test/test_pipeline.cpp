@@ -245,6 +245,21 @@ TEST(Pipeline, SomethingThinIsHeldInEveryDirectionWhereItStood) {
   EXPECT_FALSE(areas.areas[26].verdict.reasons & kRecentlyBlocked) << "30 degrees aside";
 }
 
+TEST(Pipeline, AStemBetweenItsPiecesIsNotFree) {
+  Pipeline pipeline(Config(), kSmallGeometry, Rig());
+  ASSERT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0)).verdict.state, State::Free);
+  StereoFrame stem = boardsFrame({{150, 20}}, 1.1);
+  const StereoFrame wall = wallFrame(kSmallGeometry, 3, 1.1);
+  for (const auto& [from, to] : {std::pair(wall.left, stem.left), std::pair(wall.right, stem.right)}) {
+    from.rowRange(85, 155).copyTo(to.rowRange(85, 155));  // more than the corridor's height there
+  }
+  const Verdict verdict = pipeline.process(stem).verdict;
+  EXPECT_EQ(verdict.state, State::Unknown) << describeReasons(verdict.reasons);
+  EXPECT_TRUE(verdict.reasons & kUnobserved);
+  EXPECT_NEAR(verdict.free_distance_m, 3.0, 0.2);
+  EXPECT_NE(pipeline.freeAreas().areas[32].verdict.state, State::Free);
+}
+
 TEST(Pipeline, AfterTheLidarAloneBlockedNothingIsFreeForTheHoldTime) {
   Pipeline pipeline(Config(), kSmallGeometry, rigWithLidar());
   for (const double stamp_s : {0.98, 0.99, 1.0}) pipeline.addRange(reading(stamp_s, 3.0));

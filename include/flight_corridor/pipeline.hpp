@@ -164,6 +164,7 @@ class Pipeline {
                 const BoxCells& remembered, double recent_m) const;
   std::vector<Verdict> judge(const Fan& fan_C, BoxInspector& inspector, std::uint32_t pair_reasons);
   std::vector<Verdict> judge(const Fan& fan_C);
+  bool mayHoldLostObstacle(const Box& box_C) const;
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
   struct BeamEnd {
@@ -199,6 +200,8 @@ class Pipeline {
   EarlierPairs earlier_;
   EarlierMatches earlier_matches_;
   ObstacleMemory obstacles_;  // in the frame of motion_'s present series
+  Eigen::Isometry3d known_V_C_ = Eigen::Isometry3d::Identity();  // last known pose in that frame ...
+  double known_s_ = kNaN;                                        // ... and its pair's stamp
   int series_ = 0;
   bool clears_ = false;     // the free space of the last pair that was judged is trusted
   bool keeps_matches_ = false;  // ... its matches may refute later doubt
