@@ -213,9 +213,10 @@ void Pipeline::updateMap() const {
   } else {
     map_.clear();
   }
-  cv::Mat evidence_m(depth_m_.size(), CV_32FC1, cv::Scalar(kNaN));
-  depth_m_.copyTo(evidence_m, left_texture_.mask());
-  map_.insert(evidence_m, T_M_C_, report_.clears);
+  textured_m_.create(depth_m_.size(), CV_32FC1);
+  textured_m_.setTo(kNaN);
+  depth_m_.copyTo(textured_m_, left_texture_.mask());
+  map_.insert(textured_m_, T_M_C_, report_.clears);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));

@@ -15,7 +15,7 @@ using test_support::kResolution_m;
 using test_support::randomPose;
 using test_support::randomTree;
 
-Box ahead(const CorridorConfig& config = {}) { return corridorBox(config, Eigen::Isometry3d::Identity()); }
+Box corridorAhead(const CorridorConfig& config = {}) { return corridorBox(config, Eigen::Isometry3d::Identity()); }
 
 /// Asks the tree about every cell that may be centred in a box.
 BoxCells oracle(const octomap::OcTree& tree, const Box& box, int reach_cells) {
@@ -76,7 +76,7 @@ TEST(Corridor, ABoxThatReachesOutOfTheOctreeIsUnknown) {
 }
 
 TEST(Corridor, AnEmptyTreeIsUnknownAltogether) {
-  const BoxCells cells = cellsIn(octomap::OcTree(kResolution_m), ahead());
+  const BoxCells cells = cellsIn(octomap::OcTree(kResolution_m), corridorAhead());
   EXPECT_EQ(cells.unknown_fraction, 1.0);
   EXPECT_EQ(cells.clear_distance_m, kInfinity);
 }
@@ -91,7 +91,7 @@ TEST(Corridor, MovingTreeAndBoxTogetherKeepsTheAnswer) {
     key[0] = static_cast<octomap::key_type>(key[0] + 7);
     moved.setNodeValue(key, leaf->getLogOdds());
   }
-  const Box here = ahead();
+  const Box here = corridorAhead();
   const Box there{Eigen::Translation3d(7 * kResolution_m, 0.0, 0.0) * here.T_M_F, here.size_m};
   const BoxCells one = cellsIn(tree, here), other = cellsIn(moved, there);
   EXPECT_NEAR(one.clear_distance_m, other.clear_distance_m, 1e-6);
@@ -105,7 +105,7 @@ TEST(Corridor, AnOccupiedCellMoreNeverLengthensTheClearDistance) {
   std::uniform_real_distribution<float> forward(0.0f, 5.0f), side(-1.0f, 1.0f);
   for (int i = 0; i < 200; ++i) {
     tree.setNodeValue(octomap::point3d(forward(random), side(random), side(random)), 1.0f);
-    const double after = cellsIn(tree, ahead()).clear_distance_m;
+    const double after = cellsIn(tree, corridorAhead()).clear_distance_m;
     EXPECT_LE(after, before);
     before = after;
   }
@@ -119,7 +119,7 @@ TEST(Corridor, AWiderBoxNeverHasALongerClearDistance) {
   for (const double margin : {0.0, 0.05, 0.2, 0.7}) {
     CorridorConfig config;
     config.margin_m = margin;
-    const double clear = cellsIn(tree, ahead(config)).clear_distance_m;
+    const double clear = cellsIn(tree, corridorAhead(config)).clear_distance_m;
     EXPECT_LE(clear, before) << "margin " << margin;
     before = clear;
   }
@@ -129,7 +129,7 @@ TEST(Corridor, WhatIsCentredBesideTheBoxOrBehindItsEndIsNotInIt) {
   const auto clear = [](float x, float y) {
     octomap::OcTree tree(kResolution_m);
     tree.setNodeValue(octomap::point3d(x, y, 0.05f), 1.0f);
-    return cellsIn(tree, ahead()).clear_distance_m;
+    return cellsIn(tree, corridorAhead()).clear_distance_m;
   };
   EXPECT_NEAR(clear(2.05f, 0.55f), 2.0, 1e-6);
   EXPECT_EQ(clear(2.05f, 0.65f), kInfinity);
@@ -140,10 +140,10 @@ TEST(Corridor, WhatIsCentredBesideTheBoxOrBehindItsEndIsNotInIt) {
 TEST(Corridor, TheOffsetShiftsTheBoxForwardLeftAndUpTheMarginWidensIt) {
   CorridorConfig config;
   config.offset_m = {0.5, 0.2, -0.1};
-  EXPECT_TRUE(ahead(config).T_M_F.translation().isApprox(config.offset_m));
+  EXPECT_TRUE(corridorAhead(config).T_M_F.translation().isApprox(config.offset_m));
   config.margin_m = 0.25;
-  EXPECT_TRUE(ahead(config).size_m.isApprox(Eigen::Vector3d(4.25, 1.7, 0.9)));
-  EXPECT_TRUE(ahead(config).T_M_F.translation().isApprox(config.offset_m)) << "it still begins there";
+  EXPECT_TRUE(corridorAhead(config).size_m.isApprox(Eigen::Vector3d(4.25, 1.7, 0.9)));
+  EXPECT_TRUE(corridorAhead(config).T_M_F.translation().isApprox(config.offset_m)) << "it still begins there";
 }
 
 }  // namespace

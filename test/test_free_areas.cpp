@@ -11,25 +11,11 @@ const FreeAreasConfig kConfig{0.2, 0.1, 0.1};
 constexpr double kStep_rad = 0.1;
 const Eigen::Vector3d kAhead = Eigen::Vector3d::UnitX();
 
-constexpr double kWidth_m = 1.2;
-
-/// FREE where a mark says so, UNKNOWN but free for so many metres where there is a digit; the lowest row first.
+/// FREE where a mark says so; the lowest row first.
 AreaGrid marked(const char (&marks)[16]) {
   AreaGrid grid = areaGrid(kConfig);
-  for (int i = 0; i < 15; ++i) {
-    Verdict& verdict = grid.areas[i].verdict;
-    verdict.state = marks[i] == '+' ? State::Free : marks[i] == '.' ? State::Blocked : State::Unknown;
-    verdict.free_distance_m = marks[i] == '+' ? 4.0 : marks[i] == '.' ? 0.0 : marks[i] - '0';
-  }
+  for (int i = 0; i < 15; ++i) grid.areas[i].verdict.state = marks[i] == '+' ? State::Free : State::Blocked;
   return grid;
-}
-
-int wayOf(const char (&marks)[16], const Eigen::Vector3d& goal_F = kAhead) {
-  AreaGrid grid = marked(marks);
-  grid.best = bestArea(grid, goal_F, kStep_rad);
-  const int way = bestWay(grid, goal_F, kWidth_m, SpeedConfig());
-  EXPECT_TRUE(grid.best < 0 || grid.areas[grid.best].verdict.state == State::Free);
-  return way;
 }
 
 TEST(FreeAreas, TheGridIsSymmetricAndHasTheAxis) {
@@ -47,55 +33,29 @@ TEST(FreeAreas, ADirectionLooksToItsYawAndPitch) {
 }
 
 TEST(FreeAreas, TheBestIsTheFreeOneNearestToTheGoal) {
-  EXPECT_EQ(wayOf("..............."), -1);
-  EXPECT_EQ(wayOf("+++++++++++++++"), 7);
-  EXPECT_EQ(wayOf(".....++........"), 6);
-  EXPECT_EQ(wayOf("+++++++++++++++", {1.0, 0.2, 0.0}), 9) << "to the left";
-  EXPECT_EQ(wayOf("+++++++++++++++", {-5.0, 5.0, 0.0}), 9)
+  EXPECT_EQ(bestArea(marked("..............."), kAhead, kStep_rad), -1);
+  EXPECT_EQ(bestArea(marked("+++++++++++++++"), kAhead, kStep_rad), 7);
+  EXPECT_EQ(bestArea(marked(".....++........"), kAhead, kStep_rad), 6);
+  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {1.0, 0.2, 0.0}, kStep_rad), 9) << "to the left";
+  EXPECT_EQ(bestArea(marked("+++++++++++++++"), {-5.0, 5.0, 0.0}, kStep_rad), 9)
       << "as near to a goal behind as it can";
-  EXPECT_EQ(wayOf(".....+...+.....", {1.0, -0.1, 0.1}), 5);
+  EXPECT_EQ(bestArea(marked(".....+...+....."), {1.0, -0.1, 0.1}, kStep_rad), 5);
 }
 
 TEST(FreeAreas, OfTwoAsNearTheOneWithMoreBesideItIsBetter) {
-  EXPECT_EQ(wayOf("......+.++....."), 8);
-  EXPECT_EQ(wayOf(".....++.+......"), 6);
-}
-
-TEST(FreeAreas, AShorterWayIsBetterOnlyWhereItGetsNearerToTheGoalFaster) {
-  EXPECT_EQ(wayOf(".......3......."), 7) << "nothing is FREE";
-  EXPECT_EQ(bestArea(marked(".......3......."), kAhead, kStep_rad), -1);
-  EXPECT_EQ(wayOf(".......3..+....", {0.0, 1.0, 0.0}), 10);
-  EXPECT_EQ(wayOf("......43..+...."), 10) << "a FREE one as near to the goal is faster";
-  EXPECT_EQ(wayOf(".......4..+....", {1.0, 9.0, 0.0}), 7) << "that leads away";
-  EXPECT_EQ(wayOf("......44......."), 7) << "nearer to the goal";
-}
-
-TEST(FreeAreas, NoWayIsUsableThatEndsBeforeTheUavCanTurn) {
-  EXPECT_EQ(wayOf(".......1......."), -1);
-  Verdict verdict;
-  verdict.free_distance_m = 3.0;
-  EXPECT_DOUBLE_EQ(usableDistance(verdict, kWidth_m), 1.8);
-  verdict.state = State::Free;
-  EXPECT_DOUBLE_EQ(usableDistance(verdict, kWidth_m), 3.0);
-  verdict.state = State::Unknown;
-  verdict.free_distance_m = 1.0;
-  EXPECT_EQ(usableDistance(verdict, kWidth_m), 0.0);
-}
-
-TEST(FreeAreas, AWayThatLeadsAwayIsTakenOnlyIfItIsFree) {
-  EXPECT_EQ(wayOf(".......+.......", -kAhead), 7);
-  EXPECT_EQ(wayOf(".......3.......", -kAhead), -1);
+  EXPECT_EQ(bestArea(marked("......+.++....."), kAhead, kStep_rad), 8);
+  EXPECT_EQ(bestArea(marked(".....++.+......"), kAhead, kStep_rad), 6);
 }
 
 TEST(FreeAreas, AGoalMayBeOfAnyLength) {
   for (const double length : {1e-200, 1e200}) {
-    EXPECT_EQ(wayOf("+++++++++++++++", length * Eigen::Vector3d(1.0, 0.2, 0.0)), 9) << length;
+    EXPECT_EQ(bestArea(marked("+++++++++++++++"), length * Eigen::Vector3d(1.0, 0.2, 0.0), kStep_rad), 9) << length;
   }
 }
 
 TEST(FreeAreas, AGoalThatIsNoneIsAhead) {
   for (const Eigen::Vector3d& none : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNaN, 0.0, 1.0)}) {
-    EXPECT_EQ(wayOf("+++++++++++++++", none), 7);
+    EXPECT_EQ(bestArea(marked("+++++++++++++++"), none, kStep_rad), 7);
   }
 }
 

@@ -167,6 +167,7 @@ class Pipeline {
   bool mayHoldLostObstacle(const Box& box_C) const;
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
+  bool looksAlongBeam(const Box& box_C) const;
   struct BeamEnd {
     Eigen::Vector3d at_C;
     double along_m;  // the box's axis
@@ -210,6 +211,7 @@ class Pipeline {
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   cv::Mat depth_m_;
+  mutable cv::Mat textured_m_;  // of it what the map gets
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Report report_;
   AreaGrid free_areas_;

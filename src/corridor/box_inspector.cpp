@@ -31,7 +31,7 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
   const auto look_for_railings = [&] { railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m); };
   workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : look_for_railings(); });
   questions_.clear();
-  for (int i = 0; i < fan.size(); ++i) {  // of many, one with a hole is UNKNOWN already unless a patch blocks it
+  for (int i = 0; i < fan.size(); ++i) {  // of many, one with a near hole is of no use unless a patch blocks it
     BoxEvidence& evidence = evidence_[i];
     const auto blocks = [&](const BoxPatch& patch) { return patch.blocks(smallest_m * smallest_m); };
     const bool is_open = is_one || evidence.unobserved.hole_along_m > config.width_m ||

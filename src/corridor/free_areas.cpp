@@ -10,11 +10,6 @@ namespace {
 constexpr double kMostDirections = 400.0;  // limit of a pair's time and memory
 constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
 
-Eigen::Vector3d directionTo(const Eigen::Vector3d& goal_F) {
-  const bool is_goal = goal_F.allFinite() && goal_F.stableNorm() > 0.0;
-  return is_goal ? goal_F.stableNormalized() : Eigen::Vector3d::UnitX();
-}
-
 }  // namespace
 
 Violations check(const FreeAreasConfig& config) {
@@ -63,7 +58,8 @@ int bestArea(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double step_ra
     return 0 <= row && row < grid.rows && 0 <= column && column < grid.columns &&
            grid.areas[row * grid.columns + column].verdict.state == State::Free;
   };
-  const Eigen::Vector3d goal = directionTo(goal_F);
+  const bool is_goal = goal_F.allFinite() && goal_F.stableNorm() > 0.0;
+  const Eigen::Vector3d goal = is_goal ? goal_F.stableNormalized() : Eigen::Vector3d::UnitX();
   int best = -1, best_beside = 0;
   long best_steps = 0;
   double best_rad = kInfinity;
@@ -83,26 +79,6 @@ int bestArea(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double step_ra
       if (!is_better) continue;
       best = at, best_steps = steps, best_beside = beside, best_rad = away_rad;
     }
-  }
-  return best;
-}
-
-double usableDistance(const Verdict& verdict, double width_m) {
-  return verdict.state == State::Free ? verdict.free_distance_m : std::max(0.0, verdict.free_distance_m - width_m);
-}
-
-int bestWay(const AreaGrid& grid, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed) {
-  const Eigen::Vector3d goal = directionTo(goal_F);
-  const auto nearing_mps = [&](const FreeArea& area) {
-    return safeSpeed(usableDistance(area.verdict, width_m), 0.0, speed) * goal.dot(ahead(area));
-  };
-  int best = grid.best;
-  double best_mps = best < 0 ? 0.0 : std::max(0.0, nearing_mps(grid.areas[best]));
-  for (std::size_t i = 0; i < grid.areas.size(); ++i) {
-    const double mps = nearing_mps(grid.areas[i]);
-    if (grid.areas[i].verdict.state == State::Free || mps <= best_mps) continue;
-    best = static_cast<int>(i);
-    best_mps = mps;
   }
   return best;
 }

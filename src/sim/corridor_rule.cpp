@@ -17,6 +17,25 @@ Eigen::Isometry3d levelFrame(const Eigen::Isometry3d& T_W_B, const Eigen::Isomet
   return T_W_F;
 }
 
+double usableDistance(const Verdict& verdict, double width_m) {
+  return verdict.state == State::Free ? verdict.free_distance_m : std::max(0.0, verdict.free_distance_m - width_m);
+}
+
+int bestWay(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed) {
+  const auto nearing_mps = [&](const FreeArea& area) {
+    return safeSpeed(usableDistance(area.verdict, width_m), 0.0, speed) * goal_F.dot(ahead(area));
+  };
+  int best = areas.best;
+  double best_mps = best < 0 ? 0.0 : std::max(0.0, nearing_mps(areas.areas[static_cast<std::size_t>(best)]));
+  for (std::size_t i = 0; i < areas.areas.size(); ++i) {
+    const double mps = nearing_mps(areas.areas[i]);
+    if (areas.areas[i].verdict.state == State::Free || mps <= best_mps) continue;
+    best = static_cast<int>(i);
+    best_mps = mps;
+  }
+  return best;
+}
+
 CorridorRule::CorridorRule(const Config& config, const ClosedLoop& loop)
     : T_B_C_(loop.T_B_C()),
       pipeline_(config, StereoGeometry(loop.calibration()), {loop.T_C_L(), opticalFromForward()}) {}
@@ -32,12 +51,15 @@ Way CorridorRule::judge(const Observation& observation) {
   T_W_F_ = levelFrame(T_W_B, T_B_C_);
   pipeline_.pointAlong(T_W_C.inverse() * T_W_F_);
   pipeline_.process(observation.pair, T_W_C);
-  areas_ = &pipeline_.freeAreas(T_W_C.linear().transpose() * (observation.goal_W - T_W_C.translation()));
+  const Eigen::Vector3d goal_W = observation.goal_W - T_W_C.translation();
+  areas_ = &pipeline_.freeAreas(T_W_C.linear().transpose() * goal_W);
+  const Config& config = pipeline_.config();
+  const Eigen::Vector3d goal_F = (T_W_F_.linear().transpose() * goal_W).normalized();
   Way way;
-  if (areas_->way >= 0) {
-    const FreeArea& best = areas_->areas[static_cast<std::size_t>(areas_->way)];
-    way.direction_W = T_W_F_.linear() * ahead(best);
-    way.free_m = usableDistance(best.verdict, pipeline_.config().corridor.width_m);
+  if (const int best = bestWay(*areas_, goal_F, config.corridor.width_m, config.speed); best >= 0) {
+    const FreeArea& area = areas_->areas[static_cast<std::size_t>(best)];
+    way.direction_W = T_W_F_.linear() * ahead(area);
+    way.free_m = usableDistance(area.verdict, config.corridor.width_m);
   }
   way.free_ahead_m = freeAlong(observation.own.velocity_W_mps);
   return way;

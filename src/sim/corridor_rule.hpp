@@ -28,6 +28,15 @@ class CorridorRule {
   Eigen::Isometry3d T_W_F_ = Eigen::Isometry3d::Identity();
 };
 
+/// How far the UAV may fly along a direction and still turn on the spot: where it is not FREE, a box's width less [m].
+double usableDistance(const Verdict& verdict, double width_m);
+
+/// The best direction of a grid, unless along another, usable for a shorter way, the UAV gets nearer to the goal faster.
+/// @param goal_F unit vector to the goal in the corridor's frame.  @param width_m of the corridor.  @param speed how the
+/// UAV brakes.
+/// @return its index; -1: none is usable.
+int bestWay(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed);
+
 /// T_W_F at the camera's place: z up, x along the body's heading.
 Eigen::Isometry3d levelFrame(const Eigen::Isometry3d& T_W_B, const Eigen::Isometry3d& T_B_C);
 

@@ -46,7 +46,7 @@ class BoxInspector {
   /// @param lidar_px per direction: corrected disparity of the surface that the LiDAR measured in the view of the box's
   /// end; NaN: none.
   /// @return per direction; valid until the next call. If there are several, neither doubt is searched in boxes that
-  /// have a hole and in which no patch blocks, nor patches beside a box.
+  /// have a hole nearer than they are wide and in which no patch blocks, nor patches beside a box.
   const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, const CorridorConfig& config,
                                           const std::vector<double>& lidar_px, BandWorkers& workers);
 

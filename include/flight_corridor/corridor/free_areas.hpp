@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "flight_corridor/corridor/safe_speed.hpp"
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/box.hpp"
 #include "flight_corridor/types.hpp"
@@ -30,8 +29,7 @@ struct FreeArea {
 struct AreaGrid {
   int columns = 0, rows = 0;
   std::vector<FreeArea> areas;
-  int best = -1;  ///< Index of the best FREE direction, see bestArea(); -1: no direction is FREE.
-  int way = -1;   ///< Of the best one to fly along, see bestWay(); -1: none.
+  int best = -1;  ///< Index of the best FREE direction; -1: no direction is FREE.
 };
 
 /// The nearest obstacles around, in a level layer as high as the corridor.
@@ -57,13 +55,5 @@ Eigen::Vector3d ahead(const FreeArea& area);
 /// @param goal_F wanted direction in the corridor's frame, of any length; an invalid one means straight ahead.
 /// @return -1: no direction is FREE.
 int bestArea(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double step_rad);
-
-/// How far the UAV may fly along a direction and still turn on the spot: where it is not FREE, a box's width less [m].
-double usableDistance(const Verdict& verdict, double width_m);
-
-/// The best direction, unless along another, usable for a shorter way, the UAV gets nearer to the goal faster.
-/// @param width_m of the corridor.  @param speed how the UAV brakes.
-/// @return -1: none is usable.
-int bestWay(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed);
 
 }  // namespace flight_corridor
