@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <system_error>
+#include <utility>
 
 namespace flight_corridor {
 
@@ -31,6 +32,7 @@ void BandWorkers::runErased(int parts, void* job, Call call) {
   begin_.notify_all();
   takeParts(lock, 0);
   end_.wait(lock, [this] { return unfinished_ == 0; });
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
 
 void BandWorkers::work(int thread) {
@@ -46,8 +48,14 @@ void BandWorkers::takeParts(std::unique_lock<std::mutex>& lock, int thread) {
   while (next_ < parts_) {
     const int part = next_++;
     lock.unlock();
-    call_(job_, part, thread);
+    std::exception_ptr error;
+    try {
+      call_(job_, part, thread);
+    } catch (...) {
+      error = std::current_exception();
+    }
     lock.lock();
+    if (!error_) error_ = error;
     if (--unfinished_ == 0) end_.notify_one();
   }
 }

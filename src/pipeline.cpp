@@ -205,7 +205,13 @@ bool Pipeline::isTrusted() const {
          !report_.lidar_is_nearer;
 }
 
-/// Matches without texture are chance: they neither hit nor clear.
+const cv::Mat& Pipeline::texturedDepth() const {
+  textured_m_.create(depth_m_.size(), CV_32FC1);
+  textured_m_.setTo(kNaN);
+  depth_m_.copyTo(textured_m_, left_texture_.mask());
+  return textured_m_;
+}
+
 void Pipeline::updateMap() const {
   is_map_current_ = true;
   if (remembers()) {
@@ -213,10 +219,7 @@ void Pipeline::updateMap() const {
   } else {
     map_.clear();
   }
-  textured_m_.create(depth_m_.size(), CV_32FC1);
-  textured_m_.setTo(kNaN);
-  depth_m_.copyTo(textured_m_, left_texture_.mask());
-  map_.insert(textured_m_, T_M_C_, report_.clears);
+  map_.insert(texturedDepth(), T_M_C_, report_.clears);
   if (const double range_m = report_.range.range_m;
       std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
     map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));
@@ -256,6 +259,7 @@ void Pipeline::decide() {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), scale(), range_tracker_.point(met_m));
   }
+  rays_.hide(left_texture_.clipped());
   std::uint32_t pair_reasons = image_faults_ | reasonsOf(report_);
   if (!(disparity_.matched_fraction >= config_.stereo.min_matched_fraction)) pair_reasons |= kNoDisparity;
   if (report_.rows.fault != RowFault::None || motion_.witness().contradicts()) pair_reasons |= kBadCalibration;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <vector>
 
 #include "flight_corridor/band_workers.hpp"
@@ -31,6 +32,23 @@ TEST(BandWorkers, NeverUseOneThreadTwiceAtATime) {
     busy[thread].fetch_sub(1);
   });
   EXPECT_EQ(collisions, 0);
+}
+
+TEST(BandWorkers, WhatAPartThrowsIsThrownWhenTheOthersAreDone) {
+  for (const int threads : {1, 3}) {
+    BandWorkers workers(threads);
+    std::atomic<int> done{0};
+    const auto run = [&](int faulty) {
+      workers.run(20, [&](int part, int) {
+        if (part == faulty) throw std::bad_alloc();
+        ++done;
+      });
+    };
+    for (const int faulty : {0, 7, 19}) EXPECT_THROW(run(faulty), std::bad_alloc) << faulty;
+    EXPECT_EQ(done, 3 * 19);
+    EXPECT_NO_THROW(run(-1)) << "it works on";
+    EXPECT_EQ(done, 3 * 19 + 20);
+  }
 }
 
 }  // namespace

@@ -50,10 +50,10 @@ class BoxPatchesTest : public testing::Test {
     }
   }
 
-  /// Of a pole of 3 cm before a wall at 3.5 m.
-  double beginOfPole(double pole_m) {
+  /// Of a pole of 3 cm, or of another width, before a wall at 3.5 m.
+  double beginOfPole(double pole_m, double width_m = 0.03) {
     depth_m_ = wallDepth(kVgaGeometry.size(), 3.5);
-    put({310, 0, static_cast<int>(std::ceil(0.03 / pole_m * kVgaGeometry.calibration().fx_px)), 480}, pole_m);
+    put({310, 0, static_cast<int>(std::ceil(width_m / pole_m * kVgaGeometry.calibration().fx_px)), 480}, pole_m);
     addNoise(0.15, 4);
     return begin();
   }
@@ -127,6 +127,13 @@ TEST_F(BoxPatchesTest, BeforeAWallInTheBoxTheBeginIsThePoles) {
   }
 }
 
+/// So that matches of both are connected.
+TEST_F(BoxPatchesTest, LessThanAPixelBeforeAWallInTheBoxTheBeginIsThePoles) {
+  const double pole_m = kVgaGeometry.depth(kVgaGeometry.disparity(3.5) + 0.7);
+  EXPECT_NEAR(beginOfPole(pole_m, 0.06), pole_m, 0.1);
+  EXPECT_NEAR(beginOfPole(3.5, 0.06), 3.5, 0.02) << "without it the wall's";
+}
+
 /// Its foot is as far away as the wall: matches of both are connected.
 TEST_F(BoxPatchesTest, APoleThatLeansOnTheWallBeginsAtItsNearEnd) {
   depth_m_ = wallDepth(kVgaGeometry.size(), 3.5);
@@ -158,6 +165,17 @@ TEST_F(BoxPatchesTest, WhatBeginsBehindTheEndByLessThanNoiseIsInTheBox) {
     put({300, 230, 30, 20}, kVgaGeometry.depth(end_px - behind_px));
     EXPECT_EQ(std::isfinite(begin()), is_in) << behind_px << " px";
     EXPECT_LE(std::isfinite(begin()) ? begin() : 0.0, 4.0);
+  }
+}
+
+TEST_F(BoxPatchesTest, FarAwayNoiseIsMoreMetres) {
+  Box far = kCorridor;
+  far.size_m.x() = 20.0;
+  for (const auto& [behind_px, is_in] : {std::pair(0.1, true), std::pair(0.2, false)}) {
+    depth_m_ = wallDepth(kVgaGeometry.size(), kVgaGeometry.depth(kVgaGeometry.disparity(20.0) - behind_px));
+    const std::vector<BoxPatch> patches = find(far);
+    const auto blocks = [](const BoxPatch& patch) { return patch.blocks(kSmallest_m2); };
+    EXPECT_EQ(std::any_of(patches.begin(), patches.end(), blocks), is_in) << behind_px << " px";
   }
 }
 

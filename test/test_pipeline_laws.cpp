@@ -174,6 +174,36 @@ TEST(PipelineLaws, EvidenceTakenAwayMakesNothingMoreFree) {
   }
 }
 
+/// Whatever stands there: the wall's own edge around it is matched on the wall.
+TEST(PipelineLaws, WhatIsClippedIsNotFree) {
+  const StereoFrame pair = sim::stillPair(wall(6.0), 1);
+  ASSERT_EQ(Pipeline(Config(), geometry(), Rig()).process(pair).verdict.state, State::Free);
+  const int shift_px = static_cast<int>(std::lround(geometry().disparity(6.0)));
+  for (const cv::Rect& part : {cv::Rect(300, 220, 50, 50), cv::Rect(280, 200, 90, 70)}) {
+    for (const int level : {0, 255}) {
+      StereoFrame clipped{pair.stamp_s, pair.left.clone(), pair.right.clone()};
+      clipped.left(part).setTo(level);
+      clipped.right(part - cv::Point(shift_px, 0)).setTo(level);
+      Pipeline pipeline(Config(), geometry(), Rig());
+      EXPECT_NE(pipeline.process(clipped).verdict.state, State::Free) << part << ", " << level;
+    }
+  }
+}
+
+/// A bar without texture, upright or level, whose ends are in view or not.
+TEST(PipelineLaws, ABarThatIsTurnedIsNotFree) {
+  for (const double width_m : {0.06, 0.12}) {
+    for (const double length_m : {0.6, 1.5, 8.0}) {
+      const Eigen::Vector3d middle_W(2.0, 0.1, sim::kHeight_m);
+      for (const Eigen::Vector3d& size_m :
+           {Eigen::Vector3d(width_m, width_m, length_m), Eigen::Vector3d(width_m, length_m, width_m)}) {
+        EXPECT_NE(stateIn(with(wall(6.0), sim::makeBox(middle_W, size_m, sim::plain(0.2)))), State::Free)
+            << size_m.transpose();
+      }
+    }
+  }
+}
+
 TEST(PipelineLaws, AfterItsMapWasClearedNoDirectionIsFree) {
   Pipeline pipeline(Config(), kSmallGeometry, Rig());
   pipeline.process(wallFrame(kSmallGeometry, 7, 1.0));

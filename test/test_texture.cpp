@@ -54,6 +54,24 @@ TEST(Texture, IsWhereTheViewIsCovered) {
 }
 
 /// The RMS of a block of 16 x 16 px is off by 6 %; that a fifth of the blocks have less makes 5 % of it.
+TEST(Texture, WhereTheImageIsClippedNothingIsKnownButAtAnEdge) {
+  for (const int level : {0, 255}) {
+    cv::Mat image = noisy(cv::Mat(kSize, CV_32FC1, cv::Scalar(128.0)), 2.0);
+    image(cv::Rect(200, 100, 80, 60)) = level;
+    Texture texture;
+    texture.find(image);
+    const cv::Rect inside(206, 104, 68, 52);  // half a window from its edges
+    EXPECT_EQ(cv::countNonZero(texture.clipped()(inside)), inside.area()) << level;
+    EXPECT_EQ(cv::countNonZero(texture.clipped() & texture.mask()), 0) << level;
+    image(cv::Rect(200, 100, 80, 60)) = 128;
+    texture.find(image);
+    EXPECT_EQ(cv::countNonZero(texture.clipped()), 0) << level;
+    image(cv::Rect(200, 100, 80, 60)) = level;
+    texture.find(image, cv::Mat(kSize, CV_8UC1, cv::Scalar(255)));
+    EXPECT_EQ(cv::countNonZero(texture.clipped()), 0) << "covered";
+  }
+}
+
 TEST(Texture, TheNoiseIsThatOfWhatIsSmooth) {
   for (const double sigma : {1.0, 2.0, 3.0, 4.0, 5.0}) {
     const double truth = std::hypot(sigma, std::sqrt(1.0 / 12.0));  // rounded

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -20,7 +21,7 @@ class BandWorkers {
   int threads() const { return static_cast<int>(threads_.size()) + 1; }
 
   /// Calls job(part, thread) once for each part from 0, and returns when all are done; calls of one thread, from 0, do
-  /// not overlap. The job may not throw.
+  /// not overlap. What a part throws is thrown when the others are done; the first of several.
   template <class Job>
   void run(int parts, Job&& job) {
     runErased(parts, &job, [](void* erased, int part, int thread) { (*static_cast<Job*>(erased))(part, thread); });
@@ -39,6 +40,7 @@ class BandWorkers {
   Call call_ = nullptr;
   int parts_ = 0, next_ = 0, unfinished_ = 0;
   bool stop_ = false;
+  std::exception_ptr error_;
   std::vector<std::thread> threads_;  // last: they use all of the above
 };
 

@@ -130,6 +130,8 @@ class Pipeline {
   const Disparity& disparity() const { return disparity_; }
   /// The evidence: depth along z of C of the matches, CV_32FC1 [m], NaN = no match.
   const cv::Mat& depth() const { return depth_m_; }
+  /// The same without matches on no texture, which are chance: what maps are made from.
+  const cv::Mat& texturedDepth() const;
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
   cv::Mat doubtful() const { return inspector_.doubtful(); }
   /// CV_8UC1; empty before the first frame.
@@ -211,7 +213,7 @@ class Pipeline {
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;
   cv::Mat depth_m_;
-  mutable cv::Mat textured_m_;  // of it what the map gets
+  mutable cv::Mat textured_m_;
   Eigen::Isometry3d T_M_C_ = Eigen::Isometry3d::Identity();
   Report report_;
   AreaGrid free_areas_;

@@ -102,7 +102,7 @@ void Publishers::publishForCostmap(const std_msgs::Header& header, const Pipelin
           [&] { return toObstacles(header, pipeline.map().tree(), pipeline.T_M_C(), config.max_range_m); });
   publish("clearing", [&] {
     const bool clears = report.clears && pipeline.seesFromBlind();  // a ray clears from the camera on
-    return toClearing(header, clears ? pipeline.depth() : cv::Mat(), pipeline.geometry(), config);
+    return toClearing(header, clears ? pipeline.texturedDepth() : cv::Mat(), pipeline.geometry(), config);
   });
 }
 

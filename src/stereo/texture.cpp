@@ -17,6 +17,8 @@ constexpr double kSmoothest = 0.2;                               // share of the
 constexpr double kLeastNoise_grey = 0.7, kMostNoise_grey = 6.0;  // rounding; a scene that is texture all over
 constexpr int kDark = 2, kBright = 250;                          // beyond these, noise is clipped
 
+bool isClipped(int grey) { return grey <= kDark || grey >= kBright; }
+
 /// RMS of second differences along the rows of a block, of which noise has six times its variance (after Immerkaer
 /// 1996); NaN if the block is clipped.
 float spreadOf(const cv::Mat& grey, int u0, int v0) {
@@ -26,7 +28,7 @@ float spreadOf(const cv::Mat& grey, int u0, int v0) {
     for (int u = u0; u < u0 + kBlock_px; ++u) {
       const int second = row[u - 1] - 2 * row[u] + row[u + 1];
       squares += second * second;
-      clipped += row[u] <= kDark || row[u] >= kBright;
+      clipped += isClipped(row[u]);
     }
   }
   constexpr int kPixels = kBlock_px * kBlock_px;
@@ -51,6 +53,7 @@ double noiseOf(const cv::Mat& grey, std::vector<float>& spreads) {
 const cv::Mat& Texture::find(const cv::Mat& grey, const cv::Mat& covered) {
   noise_ = noiseOf(grey, spreads_);
   textured_.create(grey.size(), CV_8UC1);
+  clipped_.create(grey.size(), CV_8UC1);
   const int enough = static_cast<int>(kAboveNoise * 2.0 * noise_ * noise_ * kWindow * kWindow);
   const auto rowAt = [&](int v) { return grey.ptr(std::clamp(v, 0, grey.rows - 1)); };
   sum_.assign(grey.cols, 0);
@@ -69,18 +72,23 @@ const cv::Mat& Texture::find(const cv::Mat& grey, const cv::Mat& covered) {
     findRow(grey, v, enough);
     add(v - kAlong_px, -1);
   }
-  if (!covered.empty()) textured_.setTo(255, covered);
+  if (!covered.empty()) {
+    textured_.setTo(255, covered);
+    clipped_.setTo(0, covered);
+  }
   return textured_;
 }
 
 /// Columns beyond the image hold no difference: near its sides there is less texture.
 void Texture::findRow(const cv::Mat& grey, int v, int enough) {
-  std::uint8_t* textured = textured_.ptr(v);
+  const std::uint8_t* row = grey.ptr(v);
+  std::uint8_t *textured = textured_.ptr(v), *clipped = clipped_.ptr(v);
   int sum = 0, squares = 0;
   for (int u = 0; u < std::min(kAcross_px, grey.cols); ++u) sum += sum_[u], squares += squares_[u];
   for (int u = 0; u < grey.cols; ++u) {
     if (u + kAcross_px < grey.cols) sum += sum_[u + kAcross_px], squares += squares_[u + kAcross_px];
     textured[u] = kWindow * squares - sum * sum > enough ? 255 : 0;
+    clipped[u] = textured[u] == 0 && isClipped(row[u]) ? 255 : 0;
     if (u >= kAcross_px) sum -= sum_[u - kAcross_px], squares -= squares_[u - kAcross_px];
   }
 }

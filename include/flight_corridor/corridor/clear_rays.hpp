@@ -30,6 +30,10 @@ class ClearRays {
   void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
                          const ScaleCorrection& correction, const Eigen::Vector3d& met_C);
 
+  /// Of pixels that show nothing, black or white because they are clipped, no ray is clear.
+  /// @param clipped CV_8UC1, see Texture.
+  void hide(const cv::Mat& clipped) { met_left_px_.setTo(kInfinity, clipped); }
+
   /// Leaves what a match or the LiDAR shows: runs that only their ends clear are not clear any more. A thing as plain as
   /// what is behind it has no end, so such a run is no evidence for later.
   void keepSeen();

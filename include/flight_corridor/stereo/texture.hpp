@@ -18,6 +18,8 @@ class Texture {
 
   /// Of the last image.
   const cv::Mat& mask() const { return textured_; }
+  /// CV_8UC1, 255 where the last image is clipped, black or white, and so has no texture whatever is there.
+  const cv::Mat& clipped() const { return clipped_; }
 
   /// One sigma of a pixel's noise in the last image [grey levels]; in a scene without smooth regions it includes
   /// texture.
@@ -27,7 +29,7 @@ class Texture {
   void findRow(const cv::Mat& grey, int v, int enough);
 
   double noise_ = 0.0;
-  cv::Mat textured_;
+  cv::Mat textured_, clipped_;
   std::vector<float> spreads_;               // of blocks
   std::vector<std::int32_t> sum_, squares_;  // of differences, a column of the window
 };
