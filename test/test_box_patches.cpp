@@ -127,13 +127,6 @@ TEST_F(BoxPatchesTest, BeforeAWallInTheBoxTheBeginIsThePoles) {
   }
 }
 
-/// So that matches of both are connected.
-TEST_F(BoxPatchesTest, LessThanAPixelBeforeAWallInTheBoxTheBeginIsThePoles) {
-  const double pole_m = kVgaGeometry.depth(kVgaGeometry.disparity(3.5) + 0.7);
-  EXPECT_NEAR(beginOfPole(pole_m, 0.06), pole_m, 0.1);
-  EXPECT_NEAR(beginOfPole(3.5, 0.06), 3.5, 0.02) << "without it the wall's";
-}
-
 /// Its foot is as far away as the wall: matches of both are connected.
 TEST_F(BoxPatchesTest, APoleThatLeansOnTheWallBeginsAtItsNearEnd) {
   depth_m_ = wallDepth(kVgaGeometry.size(), 3.5);

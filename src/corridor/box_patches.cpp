@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kSplitGain = 0.7;  // of the residual of one plane: what one half leaves, where it is another surface
 constexpr double kFlat_px = 0.2;    // RMS about a plane, two sigma of a match: more may be two surfaces
-constexpr double kBefore_px = 0.4;  // a plane, on the mean over a cell: another surface, not a plane's noise
 constexpr double kPiece_m = 1.0;    // of a surface: a wider one is more than one plane
 constexpr std::ptrdiff_t kFitted = 2000;  // points of a plane are enough
 constexpr double kLarge_m2 = 0.035;       // shown of a patch in and near the box: a smaller one the next image may lose
@@ -214,14 +213,12 @@ BoxPatches::Plane BoxPatches::fit(const Point* first, const Point* end) {
 }
 
 /// Points that are wider than a piece, or no plane, are parted at the middle of their longer side; the latter where one
-/// half is flatter than the whole. Of mere noise none is. Where the smallest obstacle would show, in a cell of a plane,
-/// points that lie before it are a surface of their own: a post that hangs together with the wall behind it.
+/// half is flatter than the whole. Of mere noise none is.
 void BoxPatches::fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m) {
   const auto by_u = [](const Point& one, const Point& other) { return one.u < other.u; };
   const auto by_v = [](const Point& one, const Point& other) { return one.v < other.v; };
   const auto across = std::minmax_element(first, end, by_u), along = std::minmax_element(first, end, by_v);
-  const int first_u = across.first->u, width_px = across.second->u - first_u;
-  const int first_v = along.first->v, height_px = along.second->v - first_v;
+  const int width_px = across.second->u - across.first->u, height_px = along.second->v - along.first->v;
   const double smallest_px = smallest_m / first->edge_m;
   const bool is_wide = std::max(width_px, height_px) * first->edge_m > kPiece_m;
   const bool is_enough = static_cast<double>(end - first) >= 2.0 * std::max(4.0, smallest_px * smallest_px);
@@ -239,21 +236,7 @@ void BoxPatches::fitPlanes(Point* first, Point* end, const Plane& plane, double 
       return;
     }
   }
-  const int cell_px = std::max(1, static_cast<int>(std::lround(smallest_px))), columns = width_px / cell_px + 1;
-  cells_.assign(static_cast<std::size_t>(columns * (height_px / cell_px + 1)), {});
-  const auto cellOf = [&](const Point& point) -> Cell& {
-    return cells_[(point.v - first_v) / cell_px * columns + (point.u - first_u) / cell_px];
-  };
-  for (const Point* point = first; point != end; ++point) {
-    Cell& cell = cellOf(*point);
-    cell.before_px += point->disparity_px - plane.at(*point);
-    ++cell.points;
-  }
-  for (Point* point = first; point != end; ++point) {
-    const Cell& cell = cellOf(*point);
-    const bool is_obstacle = 2 * cell.points >= cell_px * cell_px && cell.before_px > kBefore_px * cell.points;
-    point->fitted_px = static_cast<float>(plane.at(*point) + (is_obstacle ? cell.before_px / cell.points : 0.0));
-  }
+  for (Point* point = first; point != end; ++point) point->fitted_px = static_cast<float>(plane.at(*point));
 }
 
 }  // namespace flight_corridor

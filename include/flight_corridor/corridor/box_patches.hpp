@@ -73,18 +73,13 @@ class BoxPatches {
   void measure(const Fan& fan, const Point* first, const Point* end, double smallest_m, float beside_m);
   void keep(const Fan& fan, const Point* first, const Point* end);
   void keepMissable(const Fan& fan, const Point* first, const Point* end, double smallest_m);
-  void fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m);
+  static void fitPlanes(Point* first, Point* end, const Plane& plane, double smallest_m);
   static Plane fit(const Point* first, const Point* end);
 
   StereoGeometry geometry_;
   std::vector<Point> points_, sorted_;    // in the order of the pixels; patch by patch
   std::vector<int> place_, place_above_;  // of a row's pixels in points_; -1: none
   std::vector<int> patch_, begins_;       // a point: another of the same patch, itself at the root; then the patch
-  struct Cell {
-    double before_px = 0.0;  // sum of its points' disparities beyond the plane
-    int points = 0;
-  };
-  std::vector<Cell> cells_;               // of one plane
   std::vector<BoxPatch> sums_;            // of one patch, a direction
   std::vector<std::vector<BoxPatch>> found_;
   std::vector<Eigen::Vector3d> blocking_C_;
