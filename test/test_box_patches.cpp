@@ -50,10 +50,10 @@ class BoxPatchesTest : public testing::Test {
     }
   }
 
-  /// Of a pole of 3 cm, or of another width, before a wall at 3.5 m.
-  double beginOfPole(double pole_m, double width_m = 0.03) {
+  /// Of a pole of 3 cm before a wall at 3.5 m.
+  double beginOfPole(double pole_m) {
     depth_m_ = wallDepth(kVgaGeometry.size(), 3.5);
-    put({310, 0, static_cast<int>(std::ceil(width_m / pole_m * kVgaGeometry.calibration().fx_px)), 480}, pole_m);
+    put({310, 0, static_cast<int>(std::ceil(0.03 / pole_m * kVgaGeometry.calibration().fx_px)), 480}, pole_m);
     addNoise(0.15, 4);
     return begin();
   }

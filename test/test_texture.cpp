@@ -53,7 +53,6 @@ TEST(Texture, IsWhereTheViewIsCovered) {
   EXPECT_EQ(cv::norm(texture.find(image, covered), expected, cv::NORM_INF), 0.0);
 }
 
-/// The RMS of a block of 16 x 16 px is off by 6 %; that a fifth of the blocks have less makes 5 % of it.
 TEST(Texture, WhereTheImageIsClippedNothingIsKnownButAtAnEdge) {
   for (const int level : {0, 255}) {
     cv::Mat image = noisy(cv::Mat(kSize, CV_32FC1, cv::Scalar(128.0)), 2.0);
@@ -72,6 +71,7 @@ TEST(Texture, WhereTheImageIsClippedNothingIsKnownButAtAnEdge) {
   }
 }
 
+/// The RMS of a block of 16 x 16 px is off by 6 %; that a fifth of the blocks have less makes 5 % of it.
 TEST(Texture, TheNoiseIsThatOfWhatIsSmooth) {
   for (const double sigma : {1.0, 2.0, 3.0, 4.0, 5.0}) {
     const double truth = std::hypot(sigma, std::sqrt(1.0 / 12.0));  // rounded

@@ -69,8 +69,8 @@ const std::vector<std::vector<BoxPatch>>& BoxPatches::find(const Fan& fan, const
 /// Matches without texture are chance: they are no hits.
 void BoxPatches::collect(const Fan& fan, const cv::Mat& depth_m, const cv::Mat& textured, double nearest_m) {
   points_.clear();
-  const double far_m = geometry_.shiftedDepth(fan.farthestCorner() + kBeside_m, -kMatchNoise_px);
-  const double fx_px = geometry_.calibration().fx_px;
+  const double end_m = fan.farthestCorner(), fx_px = geometry_.calibration().fx_px;
+  const double far_m = std::max(end_m + kBeside_m, geometry_.shiftedDepth(end_m, -kMatchNoise_px));
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* depth = depth_m.ptr<float>(v);
     const std::uint8_t* is_textured = textured.ptr(v);
