@@ -29,9 +29,11 @@ class HolesTest : public testing::Test {
     const ScaleCorrection correction((ScaleConfig()));
     ClearRays rays(kVgaGeometry);
     BandWorkers workers(1);
-    const cv::Mat textured = texturedAllOver(kVgaGeometry.size());
-    rays.look(evidence_, textured, textured, correction, workers);
-    return Holes(kVgaGeometry).find(box, {rays, evidence_, EarlierPairs(kVgaGeometry)}, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear).front();
+    rays.look(evidence_, textured_, right_textured_, correction, workers);
+    const Absence absence{rays, evidence_, textured_, earlier_};
+    return Holes(kVgaGeometry)
+        .find(box, absence, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear)
+        .front();
   }
 
   /// Something of which nothing is matched hides the wall from both cameras.
@@ -46,7 +48,21 @@ class HolesTest : public testing::Test {
     return {middle - cv::Point(edge_px / 2, edge_px / 2), cv::Size(edge_px, edge_px)};
   }
 
+  /// A board without texture, whose edges alone are matched.
+  void putBoard(const cv::Rect& pixels, int disparity_px) {
+    hide(pixels, disparity_px);
+    textured_(pixels) = 0;
+    right_textured_(pixels - cv::Point(disparity_px, 0)) = 0;
+    for (const int u : {pixels.x - kEdge_px, pixels.br().x}) {
+      evidence_.best_px({u, pixels.y, kEdge_px, pixels.height}) = disparity_px;
+    }
+  }
+
+  static constexpr int kEdge_px = 4;
+  const EarlierPairs earlier_{kVgaGeometry};
   DisparityEvidence evidence_ = uniformEvidence(kVgaGeometry.size(), kWall_px);
+  cv::Mat textured_ = texturedAllOver(kVgaGeometry.size());
+  cv::Mat right_textured_ = texturedAllOver(kVgaGeometry.size());
 };
 
 TEST_F(HolesTest, WhereNothingIsMatchedTheHoleIsAsLargeAsTheBoxsSection) {
@@ -159,6 +175,23 @@ TEST_F(HolesTest, NothingNearerThanIsMatchedIsOneButItIsUnobserved) {
   EXPECT_EQ(far_only.fraction, 1.0);
   EXPECT_GT(unobserved.fraction, 0.2);
   EXPECT_LT(unobserved.fraction, 0.8);
+}
+
+/// Whose ends are matched on the wall.
+TEST_F(HolesTest, NoSingleRowThatIsEndedWronglyMakesAHoleLess) {
+  constexpr int kBoard_px = 20;
+  const cv::Rect board = square({320, 240}, 2.0 * kSmallest_m, kBoard_px);
+  putBoard(board, kBoard_px);
+  const Unobserved whole = find();
+  ASSERT_TRUE(whole.hasHole());
+  const cv::Mat best_px = evidence_.best_px.clone();
+  for (int v = board.y + 1; v < board.br().y - 1; ++v) {
+    best_px.copyTo(evidence_.best_px);
+    for (const int u : {board.x - kEdge_px, board.br().x}) evidence_.best_px({u, v, kEdge_px, 1}) = kWall_px;
+    const Unobserved found = find();
+    EXPECT_EQ(found.hole_m, whole.hole_m) << v;
+    EXPECT_EQ(found.hole_along_m, whole.hole_along_m) << v;
+  }
 }
 
 TEST_F(HolesTest, AMatchLessNeverMakesLessOfThem) {
