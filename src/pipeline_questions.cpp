@@ -57,13 +57,6 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
   return is_valid ? geometry_.disparity(met_C.z()) : kNaN;
 }
 
-/// Whether the beam passes the view of a box's end.
-bool Pipeline::looksAlongBeam(const Box& box_C) const {
-  const double end_m = (box_C.T_M_F * Eigen::Vector3d(box_C.size_m.x(), 0.0, 0.0)).norm();
-  const Eigen::Vector2d pixel = geometry_.project(range_tracker_.point(end_m));
-  return viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
-}
-
 /// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
 /// @return places in C.
 BoxCells Pipeline::remembered(const Box& box_C) const {
@@ -94,15 +87,13 @@ bool Pipeline::mayHoldLostObstacle(const Box& box_C) const {
   return cellsIn(obstacles_.tree(), {T_V_F, box_C.size_m.array() + 2.0 * moved_m}).clear_distance_m < kInfinity;
 }
 
-/// The verdict on a box, except for what belongs to the corridor, a query or a fan alone. Where the LiDAR is nearer for a
-/// moment, it met something that stereo does not show, on its beam; where it stays so, stereo may be wrong everywhere.
+/// The verdict on a box, except for what belongs to the corridor, a query or a fan alone.
 /// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
 /// @param recent_m so far it is free of obstacles of the last moments that images may miss.
 Verdict Pipeline::judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked,
                         std::uint32_t pair_reasons, const BoxCells& remembered, double recent_m) const {
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
-  if (!report_.rig_is_in_doubt && !looksAlongBeam(box_C)) pair_reasons &= ~kLidarNearer;
   verdict.reasons = pair_reasons | reasonsOf(shown, asked, verdict.clear_distance_m);
   verdict.unknown_fraction = shown.unobserved.fraction;
   if (const auto end = beamEndIn(box_C)) verdict.block(kShortRange, end->along_m);

@@ -169,7 +169,6 @@ class Pipeline {
   bool mayHoldLostObstacle(const Box& box_C) const;
   bool isTrusted() const;
   double lidarDisparity(const Box& box_C) const;
-  bool looksAlongBeam(const Box& box_C) const;
   struct BeamEnd {
     Eigen::Vector3d at_C;
     double along_m;  // the box's axis

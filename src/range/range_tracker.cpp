@@ -10,7 +10,6 @@ namespace {
 constexpr double kUnity = 0.9;             // of a footprint from which the scale is learnt
 constexpr double kShown = 1.0 / 3.0;       // of the matches beside the beam: stereo shows the LiDAR's surface, too
 constexpr double kRemembered_s = 1.0;      // of a contradiction, at most
-constexpr double kPassing_s = 0.3;         // so long the beam of a moving UAV meets a leaf or an edge
 constexpr double kSameMoment_s = 0.03;     // at 1 rad/s the beam turns by 2 degrees in this time
 constexpr double kReferenceDepth_m = 4.0;  // where the scale is reported when the beam meets nothing
 
@@ -108,7 +107,6 @@ void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& 
   const bool contradicts = is_farther && !isShownBeside(expected.range_m, disparity_px);
   remember(stamp_s, contradicts, !is_farther && beyond_px == 0.0);
   tracked.lidar_is_nearer = too_close || contradicts || contradiction_s_ > 0.0;
-  tracked.rig_is_in_doubt = too_close || contradiction_s_ > kPassing_s;
 }
 
 /// By how much stereo's disparity misses the one that the LiDAR expects, beyond the errors of a correctable rig and of

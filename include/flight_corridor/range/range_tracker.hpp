@@ -25,7 +25,6 @@ struct TrackedRange {
   bool lidar_is_new = false;  ///< Such a range is of this pair's moment: of what it shows.
   /// Persistently nearer than stereo, which does not show it beside the beam; or too close.
   bool lidar_is_nearer = false;
-  bool rig_is_in_doubt = false;  ///< ... for longer than the beam meets a leaf or an edge; or too close.
   bool lidar_is_slow = false;                 ///< It pauses three times its recent mean.
   bool lidar_is_rejected = false;             ///< Its newest reading was refused or gated.
   double scale = 1.0;                         ///< Depth after / before correction, at D_c (at 4 m without one).
