@@ -121,19 +121,24 @@ bool Holes::wasClear(int u, int v, const Place& place, const Absence& absence) {
   return !(match_px >= place.measured_px - kTouching_px) && place.earlier.wasClear(u, v);
 }
 
-/// Rows of a surface without texture are cleared one by one, up to their ends, of which some may be wrong. A clear gap
-/// between unclear rows that is lower than the smallest obstacle is unclear, too.
-void Holes::closeGaps(const Plane& plane, Place& place, const cv::Mat& textured) {
+/// Rows of a surface without texture are cleared one by one, up to their ends, of which some may be wrong. A gap between
+/// rows that end nearer is unclear, too, if it is lower than the smallest obstacle.
+void Holes::closeGaps(const Plane& plane, Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
   bare_.create(place.unclear.size(), CV_8UC1);
+  closed_.create(place.unclear.size(), CV_8UC1);
   for (int row = 0; row < bare_.rows; ++row) {
-    const std::uint8_t* textured_row = textured.ptr(plane.view.y + stride * row) + plane.view.x;
-    auto* bare = bare_.ptr(row);
-    for (int column = 0; column < bare_.cols; ++column) bare[column] = textured_row[stride * column] == 0;
+    const int v = plane.view.y + stride * row;
+    const std::uint8_t *textured = absence.textured.ptr(v), *unclear = place.unclear.ptr(row);
+    auto *bare = bare_.ptr(row), *ends = closed_.ptr(row);
+    for (int column = 0; column < bare_.cols; ++column) {
+      const int u = plane.view.x + stride * column;
+      bare[column] = textured[u] == 0;
+      ends[column] = bare[column] && unclear[column] && absence.rays.meets(u, v);
+    }
   }
-  if (cv::countNonZero(bare_) == 0) return;
+  if (cv::countNonZero(closed_) == 0) return;
   const int reach = static_cast<int>(place.edge / kHole / 2.0);  // half of the smallest obstacle
-  cv::bitwise_and(place.unclear, bare_, closed_);
   cv::morphologyEx(closed_, closed_, cv::MORPH_CLOSE, cv::Mat::ones(2 * reach + 1, 1, CV_8UC1));
   cv::bitwise_and(closed_, bare_, closed_);
   cv::bitwise_or(place.unclear, closed_, place.unclear);
@@ -173,7 +178,7 @@ void Holes::findUnclear(const Plane& plane, Place& place, const Absence& absence
       unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, absence);
     }
   }
-  closeGaps(plane, place, absence.textured);
+  closeGaps(plane, place, absence);
   const cv::Mat square = cv::Mat::ones(place.edge, place.edge, CV_8UC1);
   const auto find_squares = [&] {
     cv::erode(place.unclear, hides_, square, {place.edge - 1, place.edge - 1}, 1, cv::BORDER_CONSTANT, 0);

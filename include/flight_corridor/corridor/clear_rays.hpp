@@ -30,6 +30,9 @@ class ClearRays {
   void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
                          const ScaleCorrection& correction, const Eigen::Vector3d& met_C);
 
+  /// Whether it is known what a left pixel's ray meets.
+  bool meets(int u, int v) const { return met_left_px_.at<float>(v, u) < kInfinity; }
+
   /// Of pixels that show nothing, black or white because they are clipped, no ray is clear.
   /// @param clipped CV_8UC1, see Texture.
   void hide(const cv::Mat& clipped) { met_left_px_.setTo(kInfinity, clipped); }

@@ -93,7 +93,7 @@ class Holes {
   /// Of pixels that both cameras see.
   static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
   static bool wasClear(int u, int v, const Place& place, const Absence& absence);
-  void closeGaps(const Plane& plane, Place& place, const cv::Mat& textured);
+  void closeGaps(const Plane& plane, Place& place, const Absence& absence);
   void askEarlier(const Plane& plane, Place& place, const Absence& absence);
   void findUnclear(const Plane& plane, Place& place, const Absence& absence);
   Look look(const Plane& plane, const Section& section, const Place& place) const;
@@ -112,7 +112,7 @@ class Holes {
   std::vector<Plane> planes_;                          // of fan_, the nearest first
   std::vector<Place> places_;                          // a plane
   std::vector<Look> looks_;                            // a plane and direction
-  cv::Mat bare_, closed_;  // of the current plane, strided: without texture; the same, and unclear with gaps closed
+  cv::Mat bare_, closed_;  // of the current plane, strided: without texture; the same, ended nearer, gaps closed
   cv::Mat hides_, in_squares_, unclear_sum_, hides_sum_;  // of the current plane, strided
   std::vector<int> squares_, above_;  // edges of the squares that end at each column, in this row and in the one above
   std::vector<Unobserved> found_;
