@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "filled_disparity.hpp"
+#include "flight_corridor/map/box_cells.hpp"
 #include "flight_corridor/pipeline.hpp"
 #include "ros/conversions.hpp"
 #include "stock_octomap.hpp"
@@ -104,7 +105,7 @@ struct PaperChain {
     correctedDepth(disparity_px, ranges.scale(), geometry, depth_m);
     map.clear();
     map.insert(depth_m, Eigen::Isometry3d::Identity(), true);
-    const double occupied_m = cellsIn(map.tree(), box).clear_distance_m;
+    const double occupied_m = nearestOccupied(map.tree(), box).clear_distance_m;
     return std::fmin(fused_m, occupied_m) < box.size_m.x() ? State::Blocked : State::Free;
   }
 

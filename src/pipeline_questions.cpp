@@ -14,9 +14,9 @@ namespace {
 constexpr std::uint32_t kMapInDoubt =  // reasons of a frame without evidence, or without trusted evidence, in the map
     kNoData | kNoPose | kBadImage | kBadCalibration | kFrozenImage | kNoDisparity | kDisagreement | kLidarNearer;
 
-constexpr double kMostUnknown = 0.1;     // of a box that is asked about
-constexpr double kNearestAsked_m = 0.1;  // from the camera on it must be known
-constexpr double kFastest_mps = 7.0;     // of a box's end: the UAV flies, and turns
+constexpr double kMostUnknown = 0.1;      // of a box that is asked about
+constexpr double kNearestAsked_m = 0.1;   // from the camera on it must be known
+constexpr double kFastestBox_mps = 7.0;   // of a box's end: the UAV flies, and turns
 constexpr double kSameObstacle_m = 0.15;  // so far apart a verdict's distance and a patch's beginning are of one
 
 /// Whether a patch shows what blocks a box.
@@ -59,39 +59,36 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
 
 /// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
 /// @return places in C.
-BoxCells Pipeline::remembered(const Box& box_C) const {
-  BoxCells remembered = remembers() ? cellsIn(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m}) : BoxCells();
-  remembered.nearest = T_M_C_.inverse() * remembered.nearest;
+OccupiedCell Pipeline::remembered(const Box& box_C) const {
+  OccupiedCell remembered;
+  if (remembers()) remembered = nearestOccupied(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m});
+  remembered.centre = T_M_C_.inverse() * remembered.centre;
   if (!motion_.pose()) return remembered;
   const Eigen::Isometry3d &T_V_C = motion_.pose()->T_M_C, T_C_V = T_V_C.inverse();
   const auto counts = [&](const Eigen::Vector3d& centre_V) {
     const bool is_earlier = obstacles_.seen(centre_V) < report_.verdict.stamp_s;
-    return is_earlier &&
-           sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) == Sight::Nothing;
+    return is_earlier && sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) == Sight::Nothing;
   };
-  const BoxCells obstacles = cellsIn(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
-  if (obstacles.clear_distance_m < remembered.clear_distance_m) {
-    remembered.clear_distance_m = obstacles.clear_distance_m;
-    remembered.nearest = T_C_V * obstacles.nearest;
-  }
-  return remembered;
+  const OccupiedCell obstacle = nearestOccupied(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
+  if (obstacle.clear_distance_m >= remembered.clear_distance_m) return remembered;
+  return {obstacle.clear_distance_m, T_C_V * obstacle.centre};
 }
 
-/// Whether a remembered obstacle may be in a box while nobody knows where the camera is: one that was no farther from it,
-/// at the last known pose, than the camera and the box may have moved since.
+/// Whether a remembered obstacle may be in a box while nobody knows where the camera is: one that was no farther from
+/// it, at the last known pose, than the camera and the box may have moved since.
 bool Pipeline::mayHoldLostObstacle(const Box& box_C) const {
   if (motion_.pose() || obstacles_.tree().size() == 0) return false;
-  const double moved_m = kFastest_mps * (report_.verdict.stamp_s - known_s_);
+  const double moved_m = kFastestBox_mps * (report_.verdict.stamp_s - known_s_);
   if (!(moved_m <= config_.map.max_range_m)) return true;
   const Eigen::Isometry3d T_V_F = known_V_C_ * box_C.T_M_F * Eigen::Translation3d(-moved_m, 0.0, 0.0);
-  return cellsIn(obstacles_.tree(), {T_V_F, box_C.size_m.array() + 2.0 * moved_m}).clear_distance_m < kInfinity;
+  return nearestOccupied(obstacles_.tree(), {T_V_F, box_C.size_m.array() + 2.0 * moved_m}).clear_distance_m < kInfinity;
 }
 
 /// The verdict on a box, except for what belongs to the corridor, a query or a fan alone.
 /// @param asked the conditions of FREE.  @param pair_reasons of the pair, which hold for every box.
 /// @param recent_m so far it is free of obstacles of the last moments that images may miss.
 Verdict Pipeline::judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked,
-                        std::uint32_t pair_reasons, const BoxCells& remembered, double recent_m) const {
+                        std::uint32_t pair_reasons, const OccupiedCell& remembered, double recent_m) const {
   Verdict verdict;
   verdict.stamp_s = report_.verdict.stamp_s;
   verdict.reasons = pair_reasons | reasonsOf(shown, asked, verdict.clear_distance_m);
@@ -117,12 +114,12 @@ std::vector<Verdict> Pipeline::judge(const Fan& fan_C, BoxInspector& inspector, 
   std::vector<Eigen::Vector3d> unshown_C;  // what blocks a box and no patch shows
   for (int i = 0; i < fan_C.size(); ++i) {
     const Box box_C = fan_C.box(i);
-    const BoxCells cells = remembered(box_C);
+    const OccupiedCell occupied = remembered(box_C);
     const double known_m = mayHoldLostObstacle(box_C) ? 0.0 : recent_m[i];
-    verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, cells, known_m));
+    verdicts.push_back(judge(box_C, shown[i], corridor, pair_reasons, occupied, known_m));
     if (verdicts[i].state != State::Blocked || isShown(verdicts[i], shown[i].patches, smallest_m)) continue;
     if (const auto end = beamEndIn(box_C)) unshown_C.push_back(end->at_C);
-    if (cells.clear_distance_m < kInfinity) unshown_C.push_back(cells.nearest);
+    if (occupied.clear_distance_m < kInfinity) unshown_C.push_back(occupied.centre);
   }
   const bool is_corridor = &inspector == &inspector_;
   if (is_corridor && verdicts.front().state == State::Blocked) recent_.onBlocked();
@@ -147,17 +144,16 @@ Verdict Pipeline::query(const Box& box) const {
   const BoxEvidence& shown =
       query_inspector_.inspect(box_C, evidence(), asked, {lidarDisparity(box_C)}, disparity_estimator_.workers())
           .front();
-  const double recent_m =
-      mayHoldLostObstacle(box_C) ? 0.0 : recent_.freeUpTo(box_C, smallestInspected(asked)).front();
-  const BoxCells cells = remembers() || is_cleared_ ? cellsIn(map_.tree(), box) : BoxCells();
+  const double recent_m = mayHoldLostObstacle(box_C) ? 0.0 : recent_.freeUpTo(box_C, smallestInspected(asked)).front();
+  const double unmapped = remembers() || is_cleared_ ? unknownFraction(map_.tree(), box) : 1.0;
   Verdict verdict = judge(box_C, shown, asked, report_.verdict.reasons & kMapInDoubt, remembered(box_C), recent_m);
   double unknown = unknownShare(box_C, shown.unobserved);
   if (!is_way) verdict.unknown_fraction = unknown;
   if (is_cleared_) {
-    unknown = std::max(unknown, cells.unknown_fraction);
+    unknown = std::max(unknown, unmapped);
     verdict.unknown_fraction = std::max(verdict.unknown_fraction, unknown);
   } else if (remembers()) {
-    unknown = std::min(unknown, cells.unknown_fraction);
+    unknown = std::min(unknown, unmapped);
   }
   if (remembers()) verdict.unknown_fraction = std::min(verdict.unknown_fraction, unknown);
   if ((!is_way || is_cleared_) && unknown > kMostUnknown) verdict.withhold(kUnobserved);
@@ -228,8 +224,8 @@ bool Pipeline::beginsAtUav(const Box& box_C) const {
          std::abs(std::asin(std::clamp(axis_F.z(), -1.0, 1.0))) <= config_.free_areas.pitch_rad + half_step_rad;
 }
 
-/// Where the beam ends in a box, or may by one sigma: d_K < D_min of the paper, carried to the volume. While the sensors
-/// disagree the nearer one rules.
+/// Where the beam ends in a box, or may by one sigma: d_K < D_min of the paper, carried to the volume. While the
+/// sensors disagree the nearer one rules.
 std::optional<Pipeline::BeamEnd> Pipeline::beamEndIn(const Box& box_C) const {
   double range_m = report_.range.range_m, nearest_m = range_m - report_.range.sigma_m;
   if (report_.range.disagreement) {

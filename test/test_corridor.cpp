@@ -4,6 +4,7 @@
 #include <random>
 
 #include "flight_corridor/corridor/corridor.hpp"
+#include "flight_corridor/map/box_cells.hpp"
 #include "support/random_octree.hpp"
 #include "support/random_pose.hpp"
 
@@ -16,6 +17,15 @@ using test_support::randomPose;
 using test_support::randomTree;
 
 Box corridorAhead(const CorridorConfig& config = {}) { return corridorBox(config, Eigen::Isometry3d::Identity()); }
+
+struct BoxCells {
+  double clear_distance_m = kInfinity;
+  double unknown_fraction = 1.0;
+};
+
+BoxCells cellsIn(const octomap::OcTree& tree, const Box& box) {
+  return {nearestOccupied(tree, box).clear_distance_m, unknownFraction(tree, box)};
+}
 
 /// Asks the tree about every cell that may be centred in a box.
 BoxCells oracle(const octomap::OcTree& tree, const Box& box, int reach_cells) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "flight_corridor/map/box_cells.hpp"
 #include "flight_corridor/pipeline.hpp"
 #include "sim/rig.hpp"
 #include "sim/simulation.hpp"
@@ -84,10 +85,10 @@ TEST(PipelineMemory, WhateverTheVerdictCallsAPatchIsOccupiedInTheMap) {
       const Report& report =
           pipeline.process(pairOf({masonryAt(6.0), cubeAt(at, edge_m)}, 0), Eigen::Isometry3d::Identity());
       ASSERT_EQ(report.verdict.state, State::Blocked) << edge_m << " m";
-      const BoxCells cells = cellsIn(pipeline.obstacles().tree(), pipeline.boxInCamera());
+      const OccupiedCell cell = nearestOccupied(pipeline.obstacles().tree(), pipeline.boxInCamera());
       // From the cell of its nearest point, which noise may put into the one before.
-      EXPECT_LE(cells.clear_distance_m, report.verdict.clear_distance_m) << edge_m << " m, " << shift_m;
-      EXPECT_GE(cells.clear_distance_m, report.verdict.clear_distance_m - 2.0 * MapConfig().resolution_m) << edge_m << " m, " << shift_m;
+      EXPECT_LE(cell.clear_distance_m, report.verdict.clear_distance_m) << edge_m << " m, " << shift_m;
+      EXPECT_GE(cell.clear_distance_m, report.verdict.clear_distance_m - 2.0 * MapConfig().resolution_m) << edge_m << " m, " << shift_m;
     }
   }
 }

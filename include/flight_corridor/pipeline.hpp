@@ -13,6 +13,7 @@
 #include "flight_corridor/corridor/verdict.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/image_watch.hpp"
+#include "flight_corridor/map/box_cells.hpp"
 #include "flight_corridor/map/obstacle_memory.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
 #include "flight_corridor/motion/camera_motion.hpp"
@@ -163,7 +164,7 @@ class Pipeline {
   void decide();
   PairEvidence evidence() const;
   Verdict judge(const Box& box_C, const BoxEvidence& shown, const CorridorConfig& asked, std::uint32_t pair_reasons,
-                const BoxCells& remembered, double recent_m) const;
+                const OccupiedCell& remembered, double recent_m) const;
   std::vector<Verdict> judge(const Fan& fan_C, BoxInspector& inspector, std::uint32_t pair_reasons);
   std::vector<Verdict> judge(const Fan& fan_C);
   bool mayHoldLostObstacle(const Box& box_C) const;
@@ -175,7 +176,7 @@ class Pipeline {
   };
   std::optional<BeamEnd> beamEndIn(const Box& box_C) const;
   bool beginsAtUav(const Box& box_C) const;
-  BoxCells remembered(const Box& box_C) const;
+  OccupiedCell remembered(const Box& box_C) const;
   bool remembers() const { return !config_.map.frame_id.empty(); }
 
   Config config_;

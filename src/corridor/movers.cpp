@@ -11,16 +11,16 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr int kColumns = 160;            // of matches that are looked at, at least
-constexpr double kMostDepth_m = 8.0;     // nothing beyond is looked for
-constexpr double kWindow_s = 0.8;        // within which a place was clear, and a track moved
-constexpr double kSmallest_m2 = 0.02;    // shown of what moves
-constexpr std::size_t kSightings = 3;    // in which it moves on
-constexpr double kSeenThrough_px = 2.0;  // so much farther is what is matched where it was
-constexpr double kFastest_mps = 4.0;     // between two sightings of one
-constexpr double kOutOfView_s = 2.0;     // it may come back
-constexpr double kAge_s = 0.15;          // of a verdict when it is used: a pair's time, and what it takes to judge it
-constexpr double kStep_m = 0.05;         // along a box
+constexpr int kColumns = 160;              // of matches that are looked at, at least
+constexpr double kMostDepth_m = 8.0;       // nothing beyond is looked for
+constexpr double kWindow_s = 0.8;          // within which a place was clear, and a track moved
+constexpr double kSmallest_m2 = 0.02;      // shown of what moves
+constexpr std::size_t kSightings = 3;      // in which it moves on
+constexpr double kSeenThrough_px = 2.0;    // so much farther is what is matched where it was
+constexpr double kFastestMover_mps = 4.0;  // between two sightings of one
+constexpr double kOutOfView_s = 2.0;       // it may come back
+constexpr double kAge_s = 0.15;            // of a verdict when it is used: a pair's time, and what it takes to judge it
+constexpr double kStep_m = 0.05;           // along a box
 
 }  // namespace
 
@@ -87,7 +87,7 @@ void Movers::follow(const Patch& patch, const cv::Mat& depth_m) {
     const Sighting& last = track.sightings.back();
     const double away_m = (sighting.centre_V - last.centre_V).norm();
     const double since_s = stamp_s_ - last.stamp_s;
-    return since_s <= kWindow_s && away_m < kFastest_mps * since_s ? away_m : kInfinity;
+    return since_s <= kWindow_s && away_m < kFastestMover_mps * since_s ? away_m : kInfinity;
   };
   auto track = std::min_element(tracks_.begin(), tracks_.end(),
                                 [&](const Track& one, const Track& other) { return distance(one) < distance(other); });

@@ -3,7 +3,7 @@
 namespace flight_corridor {
 
 /// A pruned leaf on the path gets eight equal children; in unknown space only the path is created.
-void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, float log_odds) {
+void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, double log_odds) {
   bool is_new = root == nullptr;
   if (is_new) {
     root = new octomap::OcTreeNode();
@@ -16,7 +16,21 @@ void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, float log_
     is_new = !nodeChildExists(node, child);
     node = is_new ? createNodeChild(node, child) : getNodeChild(node, child);
   }
-  addBelow(node, log_odds);
+  addBelow(node, static_cast<float>(log_odds));
+  noteChange(key, depth);
+}
+
+/// Of a cube's blocks, or of the block that it is part of.
+void EvidenceTree::noteChange(const octomap::OcTreeKey& key, unsigned depth) {
+  const unsigned edge = 1u << (kDepth - depth);
+  const auto lowest = [](unsigned cell) { return static_cast<octomap::key_type>(cell & ~(kBlockCells - 1)); };
+  for (unsigned x = 0; x < edge; x += kBlockCells) {
+    for (unsigned y = 0; y < edge; y += kBlockCells) {
+      for (unsigned z = 0; z < edge; z += kBlockCells) {
+        changed_.insert({lowest(key[0] + x), lowest(key[1] + y), lowest(key[2] + z)});
+      }
+    }
+  }
 }
 
 /// Unknown parts of a known cube come into being with the evidence alone.
@@ -28,14 +42,15 @@ void EvidenceTree::addBelow(octomap::OcTreeNode* node, float log_odds) {
 }
 
 void EvidenceTree::settle() {
-  if (root) settle(root);
+  if (root) settle(root, {0, 0, 0}, 0);
+  changed_.clear();
 }
 
-/// An inner node holds the most of its children; eight equal leaves become one.
-void EvidenceTree::settle(octomap::OcTreeNode* node) {
-  if (!nodeHasChildren(node)) return;
+/// An inner node holds the most of its children; eight equal leaves become one. Blocks that did not change are settled.
+void EvidenceTree::settle(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth) {
+  if (!nodeHasChildren(node) || (depth == kBlockDepth && changed_.count(key) == 0)) return;
   for (unsigned i = 0; i < 8; ++i) {
-    if (nodeChildExists(node, i)) settle(getNodeChild(node, i));
+    if (nodeChildExists(node, i)) settle(getNodeChild(node, i), childKey(key, depth, i), depth + 1);
   }
   if (!pruneNode(node)) node->updateOccupancyChildren();
 }

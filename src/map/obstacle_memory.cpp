@@ -17,7 +17,7 @@ void ObstacleMemory::add(const std::vector<Eigen::Vector3d>& points_M, double st
     const auto [known, is_new] = seen_s_.try_emplace(cell, stamp_s);
     if (!is_new && known->second == stamp_s) continue;  // once a pair
     known->second = stamp_s;
-    tree_.add(cell, EvidenceTree::kDepth, static_cast<float>(config_.log_odds_hit));
+    tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_hit);
   }
   tree_.settle();
 }
@@ -26,7 +26,7 @@ void ObstacleMemory::update(double stamp_s, const Look& look) {
   for (const auto& [cell, seen_s] : seen_s_) {
     const octomap::point3d centre = tree_.keyToCoord(cell);
     if (look({centre.x(), centre.y(), centre.z()}) != Sight::Clear) continue;
-    tree_.add(cell, EvidenceTree::kDepth, static_cast<float>(config_.log_odds_miss));
+    tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
   }
   tree_.settle();
   for (auto cell = seen_s_.begin(); cell != seen_s_.end();) {

@@ -9,7 +9,6 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kMostCellsAlongARay = 320.0;  // from the camera to the corner of the view
-constexpr unsigned kBlockCells = 16;           // blocks of 16 x 16 x 16 cells are forgotten together
 
 octomap::point3d toOctomap(const Eigen::Vector3d& p) {
   return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
@@ -44,10 +43,10 @@ void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C
   addHits(countPoints(depth_m, T_M_C, geometry_, config_), T_M_C.inverse());
   if (clears) {
     for (const FreeSpace::Cube& cube : free_space_.find(depth_m, T_M_C)) {
-      add(cube.key, cube.depth, config_.log_odds_miss);
+      tree_.add(cube.key, cube.depth, config_.log_odds_miss);
     }
   }
-  tree_.settle();
+  settle();
 }
 
 void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M) {
@@ -55,7 +54,7 @@ void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T
     const Eigen::Array3d corner(key[0], key[1], key[2]);
     const Eigen::Vector3d centre_M = (corner + 0.5 - EvidenceTree::kKeyOrigin) * config_.resolution_m;
     const auto depth_m = static_cast<float>((T_C_M * centre_M).z());
-    if (hit_rule_.isHit(points, depth_m)) add(key, EvidenceTree::kDepth, config_.log_odds_hit);
+    if (hit_rule_.isHit(points, depth_m)) tree_.add(key, EvidenceTree::kDepth, config_.log_odds_hit);
   }
 }
 
@@ -66,24 +65,14 @@ void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vect
   if (!has_key(origin_M) || !has_key(end_M) || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
   beam_.reset();
   if (!tree_.computeRayKeys(toOctomap(origin_M), toOctomap(end_M), beam_)) return;
-  for (const octomap::OcTreeKey& cell : beam_) add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
-  add(end, EvidenceTree::kDepth, config_.log_odds_hit);
-  tree_.settle();
+  for (const octomap::OcTreeKey& cell : beam_) tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
+  tree_.add(end, EvidenceTree::kDepth, config_.log_odds_hit);
+  settle();
 }
 
-/// Notes when the blocks that the cube is part of, or holds, were seen.
-void OccupancyMap::add(const octomap::OcTreeKey& cube, unsigned depth, double log_odds) {
-  tree_.add(cube, depth, static_cast<float>(log_odds));
-  if (config_.frame_id.empty()) return;
-  const unsigned edge = 1u << (EvidenceTree::kDepth - depth);
-  for (unsigned x = 0; x < edge; x += kBlockCells) {
-    for (unsigned y = 0; y < edge; y += kBlockCells) {
-      for (unsigned z = 0; z < edge; z += kBlockCells) {
-        const auto lowest = [](unsigned key) { return static_cast<octomap::key_type>(key & ~(kBlockCells - 1)); };
-        seen_s_[{lowest(cube[0] + x), lowest(cube[1] + y), lowest(cube[2] + z)}] = now_s_;
-      }
-    }
-  }
+void OccupancyMap::settle() {
+  for (const octomap::OcTreeKey& block : tree_.changed()) seen_s_[block] = now_s_;
+  tree_.settle();
 }
 
 void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
@@ -96,7 +85,8 @@ void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
       continue;
     }
     octomap::OcTreeKey high = low;
-    for (unsigned axis = 0; axis < 3; ++axis) high[axis] = static_cast<octomap::key_type>(low[axis] + kBlockCells - 1);
+    for (unsigned axis = 0; axis < 3; ++axis)
+      high[axis] = static_cast<octomap::key_type>(low[axis] + EvidenceTree::kBlockCells - 1);
     tree_.forget(low, high);
     block = seen_s_.erase(block);
   }
@@ -105,7 +95,7 @@ void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
 bool OccupancyMap::touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const {
   const Eigen::Array3d low_M =
       (Eigen::Array3d(block[0], block[1], block[2]) - EvidenceTree::kKeyOrigin) * config_.resolution_m;
-  return box_M.intersects(Eigen::AlignedBox3d(low_M, low_M + kBlockCells * config_.resolution_m));
+  return box_M.intersects(Eigen::AlignedBox3d(low_M, low_M + EvidenceTree::kBlockCells * config_.resolution_m));
 }
 
 void OccupancyMap::clear() {

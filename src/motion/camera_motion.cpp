@@ -8,15 +8,17 @@ namespace {
 
 // From one step of a told pose to the next it changes by no more, or it has jumped: a loop was closed, a filter reset.
 constexpr double kJump_m = 0.1, kJump_mps2 = 30.0, kJump_rad = 0.1, kJump_radps2 = 20.0;
-constexpr double kFastest_mps = 20.0, kFastest_radps = 5.0;  // as long as no step is known
-constexpr double kPose_m = 0.01, kPose_rad = 0.005;  // one sigma of a told motion between pairs
-constexpr double kLongestGap_s = 1.0;  // between pairs: what the images show then is another view
-constexpr double kLookEvery_s = 0.15;  // told motion is compared with the images now and then
+constexpr double kFastestCamera_mps = 20.0, kFastestCamera_radps = 5.0;  // as long as no step is known
+constexpr double kPose_m = 0.01, kPose_rad = 0.005;                      // one sigma of a told motion between pairs
+constexpr double kLongestGap_s = 1.0;                // between pairs: what the images show then is another view
+constexpr double kLookEvery_s = 0.15;                // told motion is compared with the images now and then
 constexpr double kWay_s = 1.0, kLongestWay_s = 5.0;  // that is compared
 
 /// A pose behind that of a key image.
 CameraPose after(const CameraPose& key, const RelativePose& moved) {
-  return {key.T_M_C * moved.T_K_C, key.series, {key.translation.sum(), moved.sigma_m * moved.sigma_m},
+  return {key.T_M_C * moved.T_K_C,
+          key.series,
+          {key.translation.sum(), moved.sigma_m * moved.sigma_m},
           {key.rotation.sum(), moved.sigma_rad * moved.sigma_rad}};
 }
 
@@ -69,8 +71,8 @@ bool CameraMotion::isJump(const Eigen::Isometry3d& told_W_C, double since_s) con
   const Eigen::AngleAxisd turn(step_.linear());
   const Eigen::Matrix3d expected = Eigen::AngleAxisd(share * turn.angle(), turn.axis()).toRotationMatrix();
   const double squared_s2 = std::pow(std::max(since_s, std::isnan(step_s_) ? since_s : step_s_), 2);
-  const double first_m = std::isnan(step_s_) ? kFastest_mps * since_s : 0.0;
-  const double first_rad = std::isnan(step_s_) ? kFastest_radps * since_s : 0.0;
+  const double first_m = std::isnan(step_s_) ? kFastestCamera_mps * since_s : 0.0;
+  const double first_rad = std::isnan(step_s_) ? kFastestCamera_radps * since_s : 0.0;
   return (moved.translation() - share * step_.translation()).norm() > kJump_m + kJump_mps2 * squared_s2 + first_m ||
          Eigen::AngleAxisd(expected.transpose() * moved.linear()).angle() >
              kJump_rad + kJump_radps2 * squared_s2 + first_rad;
@@ -114,8 +116,9 @@ void CameraMotion::compare(const cv::Mat& left, const cv::Mat& disparity_px, con
   CameraPose seen = is_lost ? CameraPose() : after(key_, *moved);
   const Eigen::Isometry3d told_S_C = told_W_S_.inverse() * told_W_C;
   const double way_s = stamp_s_ - begun_s_;
-  const bool is_long = !is_lost && way_s >= kWay_s && (MotionWitness::isComparable(told_S_C) ||
-                                                       MotionWitness::isComparable(seen.T_M_C) || way_s >= kLongestWay_s);
+  const bool is_long =
+      !is_lost && way_s >= kWay_s &&
+      (MotionWitness::isComparable(told_S_C) || MotionWitness::isComparable(seen.T_M_C) || way_s >= kLongestWay_s);
   if (is_long) {
     witness_.add(way_s, told_S_C, {seen.T_M_C, std::sqrt(seen.translation.sum()), std::sqrt(seen.rotation.sum())});
     seen = CameraPose();

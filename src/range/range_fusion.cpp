@@ -7,12 +7,12 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFirstRateSigma_mps = 5.0;  // of a surface just met: quadrotors in this job fly below it
-constexpr double kFastest_mps = 10.0;        // a reading that takes a leap to more speed is of another surface
-constexpr double kOtherRateSigma_mps = 2.0;  // of another surface on the beam, about the rate so far
-constexpr double kSureOfRate = 1.0;          // sigmas
-constexpr int kTooOften = 4;                 // equal readings: noise hardly allows that
-constexpr double kTogether_s = 0.1;          // two gated sensors speak of the same surface when so close in time
+constexpr double kFirstRateSigma_mps = 5.0;   // of a surface just met: quadrotors in this job fly below it
+constexpr double kFastestSurface_mps = 10.0;  // a reading that takes a leap to more speed is of another surface
+constexpr double kOtherRateSigma_mps = 2.0;   // of another surface on the beam, about the rate so far
+constexpr double kSureOfRate = 1.0;           // sigmas
+constexpr int kTooOften = 4;                  // equal readings: noise hardly allows that
+constexpr double kTogether_s = 0.1;           // two gated sensors speak of the same surface when so close in time
 constexpr double kAccelerationHolds_s = 0.1;
 constexpr double kLargestAcceleration_mps2 = 300.0;  // an IMU of +-16 g on each axis ends below
 constexpr std::size_t kCapacity = 1024;              // readings in the buffer, whatever their stamps
@@ -231,7 +231,7 @@ bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, dou
   const double innovation = reading.value - filter.mean[0];
   const double rate_change = filter.covariance(1, 0) / predicted_variance_m2 * innovation;
   const bool leaps =
-      std::abs(rate_change) > kFirstRateSigma_mps && std::abs(filter.mean[1] + rate_change) > kFastest_mps;
+      std::abs(rate_change) > kFirstRateSigma_mps && std::abs(filter.mean[1] + rate_change) > kFastestSurface_mps;
   return squared(innovation) <= squared(gate_sigma) * gate_variance_m2 && !leaps;
 }
 

@@ -6,35 +6,37 @@
 namespace flight_corridor::sim {
 namespace {
 
-/// Random value in [-1, 1) of a lattice point: an integer hash whose high bits are well mixed.
-float latticeValue(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t seed) {
-  std::uint32_t h = x * 0x8da6b343u + y * 0xd8163841u + z * 0xcb1ab31fu + seed;
-  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
-  return static_cast<float>(static_cast<std::int32_t>(h ^ (h << 13))) * (1.0f / 2147483648.0f);
+constexpr int kLanes = 4;  // octaves that are computed together
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
+using Bits = std::uint32_t __attribute__((vector_size(4 * kLanes)));
+
+Floats smooth(Floats x) { return x * x * (3.0f - 2.0f * x); }
+Floats lerp(Floats a, Floats b, Floats x) { return a + x * (b - a); }
+
+Ints floorToInt(Floats x) {
+  const Ints truncated = __builtin_convertvector(x, Ints);
+  return truncated + (x < __builtin_convertvector(truncated, Floats));  // true is -1
 }
 
-float smooth(float x) { return x * x * (3.0f - 2.0f * x); }
-float lerp(float a, float b, float x) { return a + x * (b - a); }
-
-/// floor() without the library call that a plain x86-64 build makes of it.
-std::int32_t floorToInt(float x) {
-  const auto truncated = static_cast<std::int32_t>(x);
-  return truncated - (x < static_cast<float>(truncated));
-}
-
-/// Value noise: random values on the integer lattice, smoothly interpolated.
-float valueNoise(const Eigen::Vector3f& p, std::uint32_t seed) {
-  const std::int32_t floors[3] = {floorToInt(p.x()), floorToInt(p.y()), floorToInt(p.z())};
-  const float fx = smooth(p.x() - static_cast<float>(floors[0]));
-  const float fy = smooth(p.y() - static_cast<float>(floors[1]));
-  const float fz = smooth(p.z() - static_cast<float>(floors[2]));
-  const auto x = static_cast<std::uint32_t>(floors[0]);
-  const auto y = static_cast<std::uint32_t>(floors[1]);
-  const auto z = static_cast<std::uint32_t>(floors[2]);
-  const auto row = [&](std::uint32_t dy, std::uint32_t dz) {
-    return lerp(latticeValue(x, y + dy, z + dz, seed), latticeValue(x + 1, y + dy, z + dz, seed), fx);
+/// Value noise: random values in [-1, 1) on the integer lattice, smoothly interpolated. Those are an integer hash whose
+/// high bits are well mixed.
+Floats valueNoise(Floats x, Floats y, Floats z, Bits seed) {
+  const Ints left = floorToInt(x), low = floorToInt(y), near = floorToInt(z);
+  const Floats fx = smooth(x - __builtin_convertvector(left, Floats));
+  const Floats fy = smooth(y - __builtin_convertvector(low, Floats));
+  const Floats fz = smooth(z - __builtin_convertvector(near, Floats));
+  constexpr std::uint32_t kX = 0x8da6b343u, kY = 0xd8163841u, kZ = 0xcb1ab31fu;
+  const auto bits = [](Ints cells) { return __builtin_convertvector(cells, Bits); };
+  const Bits corner = bits(left) * kX + bits(low) * kY + bits(near) * kZ + seed;
+  const auto latticeValue = [](Bits h) -> Floats {
+    h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+    return __builtin_convertvector(__builtin_convertvector(h ^ (h << 13), Ints), Floats) * (1.0f / 2147483648.0f);
   };
-  return lerp(lerp(row(0, 0), row(1, 0), fy), lerp(row(0, 1), row(1, 1), fy), fz);
+  const auto row = [&](std::uint32_t off) {
+    return lerp(latticeValue(corner + off), latticeValue(corner + (off + kX)), fx);
+  };
+  return lerp(lerp(row(0), row(kY), fy), lerp(row(kZ), row(kY + kZ), fy), fz);
 }
 
 /// Share of a wave that survives averaging over a footprint: none below two footprints (Nyquist), all from four.
@@ -45,16 +47,24 @@ float survivingShare(float wavelength_m, float footprint_m) {
 /// Octaves of equal amplitude: a 1/f spectrum, as natural images have.
 float octaves(const Material& material, const Eigen::Vector3f& p_O, float footprint_m) {
   const Eigen::Vector3f p(p_O.x(), p_O.y(), p_O.z() / material.stretch);
-  float sum = 0.0f;
+  float sum = 0.0f, wavelength_m = material.coarsest_m;
   std::uint32_t seed = material.seed;
-  for (float wavelength_m = material.coarsest_m; wavelength_m >= material.finest_m; wavelength_m *= 0.5f) {
-    const float share = survivingShare(wavelength_m, footprint_m);
-    if (share == 0.0f) break;
-    // Half a cell off the object's origin: flat faces through it must not lie on lattice planes of all octaves at once.
-    sum += share * valueNoise((p / wavelength_m).array() + 0.37f, seed);
-    seed += 0x9e3779b9u;
+  for (;;) {
+    Floats wavelengths_m{};
+    Bits seeds{};
+    for (int lane = 0; lane < kLanes; ++lane, wavelength_m *= 0.5f, seed += 0x9e3779b9u) {
+      wavelengths_m[lane] = wavelength_m;
+      seeds[lane] = seed;
+    }
+    // Off the object's origin: flat faces through it must not lie on lattice planes of all octaves at once.
+    const auto at = [&](float along_m) { return along_m / wavelengths_m + 0.37f; };
+    const Floats noise = valueNoise(at(p.x()), at(p.y()), at(p.z()), seeds);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const float share = survivingShare(wavelengths_m[lane], footprint_m);
+      if (wavelengths_m[lane] < material.finest_m || share == 0.0f) return sum;
+      sum += share * noise[lane];
+    }
   }
-  return sum;
 }
 
 /// Square wave from -1 to 1 whose steps take one footprint.
@@ -82,11 +92,10 @@ float reflectance(const Material& material, const Eigen::Vector3f& p_O, float fo
 float cloudySky(const Eigen::Vector3f& direction_W) {
   constexpr float kLowest = 0.15f;  // nearer to the horizon the layer of clouds would be endless
   const Eigen::Vector3f p = direction_W / (std::max(direction_W.z(), 0.0f) + kLowest * direction_W.norm());
+  const Floats scales{1.0f, 2.0f, 4.0f, 8.0f};
+  const Floats noise = valueNoise(scales * p.x(), scales * p.y(), Floats{} + 0.5f, Bits{7, 8, 9, 10});
   float cloud = 0.0f;
-  for (int octave = 0; octave < 4; ++octave) {
-    const auto scale = static_cast<float>(1 << octave);
-    cloud += valueNoise(Eigen::Vector3f(scale * p.x(), scale * p.y(), 0.5f), 7u + octave) / scale;
-  }
+  for (int octave = 0; octave < kLanes; ++octave) cloud += noise[octave] / scales[octave];
   return 0.72f + 0.2f * std::clamp(cloud, 0.0f, 1.0f);
 }
 

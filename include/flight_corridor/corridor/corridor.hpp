@@ -1,9 +1,6 @@
 #pragma once
 
-#include <octomap/OcTree.h>
-
 #include <Eigen/Geometry>
-#include <functional>
 #include <string>
 
 #include "flight_corridor/geometry/box.hpp"
@@ -32,17 +29,6 @@ Violations check(const CorridorConfig& config);
 
 /// Edge of the obstacles searched in a box: smallest_obstacle_m, but at least 3 cm, since chance patches are smaller.
 double smallestInspected(const CorridorConfig& config);
-
-/// An octree's memory of a box, by the cells centred in it.
-struct BoxCells {
-  double clear_distance_m = kInfinity;  ///< Along the box's axis to the nearest occupied cell.
-  Eigen::Vector3d nearest{kNaN, kNaN, kNaN};  ///< Centre of that cell, in the frame of the box's pose; NaN: none.
-  double unknown_fraction = 1.0;  ///< Share of unknown cells; 1 for a box thinner than a cell.
-};
-/// @param counts whether an occupied cell counts, by its centre.
-BoxCells cellsIn(
-    const octomap::OcTree& tree, const Box& box,
-    const std::function<bool(const Eigen::Vector3d& centre_M)>& counts = [](const auto&) { return true; });
 
 /// The configured box, margin and offset applied, in a frame M.
 /// @param T_M_F frame that the corridor belongs to (x forward) in M.

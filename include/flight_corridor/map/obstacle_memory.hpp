@@ -14,8 +14,8 @@ namespace flight_corridor {
 enum class Sight : std::uint8_t { Nothing, Clear, Unclear };
 
 /// Obstacles that stood in the corridor: an OctoMap of every cell that their patches touched, in a frame M that stands
-/// still. A cell stays occupied until later pairs see through it, or for map/forget_s; where the newest pair looks, that
-/// pair judges. It holds obstacles that came too near to be matched, or left the view.
+/// still. A cell stays occupied until later pairs see through it, or for map/forget_s; where the newest pair looks,
+/// that pair judges. It holds obstacles that came too near to be matched, or left the view.
 class ObstacleMemory {
  public:
   /// What the newest pair shows in a cell, by its centre.

@@ -46,7 +46,7 @@ class OccupancyMap {
 
  private:
   void addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M);
-  void add(const octomap::OcTreeKey& cube, unsigned depth, double log_odds);
+  void settle();
   bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
