@@ -29,7 +29,7 @@ class Doctor(unittest.TestCase):
         rospy.init_node("rostest_doctor")
         cls.planner = rospy.Publisher("/cmd_vel_in", Twist, queue_size=1)
         cls.autopilot = rospy.Subscriber("/cmd_vel", Twist, lambda _: None)
-        cls.rig = WallRig(with_tf=False)
+        cls.rig = WallRig(with_tf=False, period_s=0.2)  # slow enough for a machine with other tests
         end = time.time() + PATIENCE_S
         while time.time() < end:
             if rospy.wait_for_message("/flight_corridor/corridor", CorridorState).state != CorridorState.UNKNOWN:

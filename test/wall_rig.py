@@ -1,4 +1,4 @@
-"""A rig before a wall, for rostests: stereo pair, calibration, LiDAR and tf at 10 Hz of wall time."""
+"""A rig before a wall, for rostests: stereo pair, calibration, LiDAR and tf in wall time."""
 
 import math
 import time
@@ -19,7 +19,7 @@ CAMERA, LIDAR = "left_camera_optical", "range_link"
 class WallRig:
     """self.disparity_px says how far away the wall is: FOCAL_PX * BASELINE_M / disparity; 0 or less: nothing is sent."""
 
-    def __init__(self, with_tf=True):
+    def __init__(self, with_tf=True, period_s=PERIOD_S):
         self.disparity_px = DISPARITY_PX
         self.publishers = {name: rospy.Publisher(name, kind, queue_size=2) for name, kind in (
             ("/stereo/left/image_rect", Image), ("/stereo/right/image_rect", Image),
@@ -28,7 +28,7 @@ class WallRig:
         self.frames = tf2_ros.StaticTransformBroadcaster()
         if with_tf:
             self.publish_mounting()
-        self.timer = rospy.Timer(rospy.Duration(PERIOD_S), self.publish)
+        self.timer = rospy.Timer(rospy.Duration(period_s), self.publish)
 
     def publish_mounting(self):
         self.frames.sendTransform(mounting())

@@ -7,7 +7,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kSmallest_m = 0.03;  // edge: chance matches form smaller patches anywhere
+constexpr double kSmallest_m = 0.01;  // edge: of smaller ones a pixel is one
 
 }  // namespace
 

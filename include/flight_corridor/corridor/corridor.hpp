@@ -27,7 +27,7 @@ struct CorridorConfig {
 /// Every broken rule.
 Violations check(const CorridorConfig& config);
 
-/// Edge of the obstacles searched in a box: smallest_obstacle_m, but at least 3 cm, since chance patches are smaller.
+/// Edge of the obstacles searched in a box: smallest_obstacle_m, but at least 1 cm.
 double smallestInspected(const CorridorConfig& config);
 
 /// The configured box, margin and offset applied, in a frame M.
