@@ -147,6 +147,14 @@ TEST(Corridor, WhatIsCentredBesideTheBoxOrBehindItsEndIsNotInIt) {
   EXPECT_EQ(clear(4.05f, 0.05f), kInfinity);
 }
 
+TEST(Corridor, ASmallerObstacleThanUsualIsAskedForAsItIsConfigured) {
+  CorridorConfig config;
+  config.smallest_obstacle_m = 0.02;
+  EXPECT_EQ(smallestInspected(config), 0.02);
+  config.smallest_obstacle_m = 0.0;
+  EXPECT_EQ(smallestInspected(config), 0.01);
+}
+
 TEST(Corridor, TheOffsetShiftsTheBoxForwardLeftAndUpTheMarginWidensIt) {
   CorridorConfig config;
   config.offset_m = {0.5, 0.2, -0.1};

@@ -85,8 +85,9 @@ void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
       continue;
     }
     octomap::OcTreeKey high = low;
-    for (unsigned axis = 0; axis < 3; ++axis)
+    for (unsigned axis = 0; axis < 3; ++axis) {
       high[axis] = static_cast<octomap::key_type>(low[axis] + EvidenceTree::kBlockCells - 1);
+    }
     tree_.forget(low, high);
     block = seen_s_.erase(block);
   }

@@ -12,7 +12,7 @@ class EvidenceTree : public octomap::OcTree {
   static constexpr unsigned kDepth = 16;    ///< Of cells; the root's is 0.
   static constexpr int kKeyOrigin = 32768;  ///< OctoMap's key of the coordinate 0.
   static constexpr int kLastKey = 65535;
-  static constexpr unsigned kBlockDepth = 12;
+  static constexpr unsigned kBlockDepth = 12;  ///< Of the blocks in which changes are noted.
   static constexpr unsigned kBlockCells = 1u << (kDepth - kBlockDepth);  ///< Along a block's edge.
 
   using Keys = std::unordered_set<octomap::OcTreeKey, octomap::OcTreeKey::KeyHash>;
