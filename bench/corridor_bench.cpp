@@ -81,7 +81,10 @@ void BM_Cells(benchmark::State& state) {
   map.insert(simulation.depth(kFrame), Eigen::Isometry3d::Identity());
   Box box{Eigen::Isometry3d::Identity(), Eigen::Vector3d::Constant(static_cast<double>(state.range(0)))};
   box.T_M_F.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
-  for (auto _ : state) benchmark::DoNotOptimize(nearestOccupied(map.tree(), box));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(nearestOccupied(map.tree(), box));
+    benchmark::DoNotOptimize(unknownFraction(map.tree(), box));
+  }
 }
 BENCHMARK(BM_Cells)->ArgName("edge_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 

@@ -18,13 +18,21 @@ class BoxSearch {
     is_within_ = (reach_M.array() < 0.5 * tree.getNodeSize(0)).all();
   }
 
-  /// @param enters(node): whether its cells are asked for.  @param visit(node, centre_M) of each of those cells.
+  /// @param enters(node, centre_M, edge): whether the cells of a cube, so many along its edge, are asked for.
+  /// @param visit(centre_M) of each of those cells.
   template <typename Enters, typename Visit>
   void run(const Enters& enters, const Visit& visit) const {
     if (is_within_ && tree_.getRoot()) descend(tree_.getRoot(), octomap::OcTreeKey(0, 0, 0), 0, enters, visit);
   }
 
+  /// Whether all cells of a cube, so many along its edge, are centred in the box, and not at its border.
+  bool holds(const Eigen::Vector3d& centre_M, double edge) const {
+    return isIn(half_m_.array() - ball((edge - 1.0) * tree_.getResolution()) - kTouch_m, centre_M);
+  }
+
  private:
+  static double ball(double between_centres_m) { return 0.5 * std::sqrt(3.0) * between_centres_m; }
+
   /// A pruned leaf stands for all that is below it.
   template <typename Enters, typename Visit>
   void descend(const octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth, const Enters& enters,
@@ -32,7 +40,7 @@ class BoxSearch {
     const double edge = 1u << (EvidenceTree::kDepth - depth);  // in cells
     const Eigen::Vector3d centre_M =
         (Eigen::Array3d(key[0], key[1], key[2]) + 0.5 * edge - EvidenceTree::kKeyOrigin) * tree_.getResolution();
-    if (!mayMeet(centre_M, (edge - 1.0) * tree_.getResolution()) || !enters(*node)) return;
+    if (!mayMeet(centre_M, (edge - 1.0) * tree_.getResolution()) || !enters(*node, centre_M, edge)) return;
     if (depth == EvidenceTree::kDepth) return visit(centre_M);
     const bool is_leaf = !tree_.nodeHasChildren(node);
     for (unsigned i = 0; i < 8; ++i) {
@@ -44,9 +52,12 @@ class BoxSearch {
 
   /// The ball about the centres of a cube's cells, and the box.
   bool mayMeet(const Eigen::Vector3d& centre_M, double between_centres_m) const {
-    const Eigen::Vector3d away_F = T_F_M_ * centre_M - Eigen::Vector3d(half_m_.x(), 0.0, 0.0);
-    const double reach_m = 0.5 * std::sqrt(3.0) * between_centres_m + beside_m_;
-    return (away_F.array().abs() <= half_m_.array() + reach_m).all();
+    return isIn(half_m_.array() + ball(between_centres_m) + beside_m_, centre_M);
+  }
+
+  bool isIn(const Eigen::Array3d& half_m, const Eigen::Vector3d& p_M) const {
+    const Eigen::Vector3d away_F = T_F_M_ * p_M - Eigen::Vector3d(half_m_.x(), 0.0, 0.0);
+    return (away_F.array().abs() <= half_m).all();
   }
 
   const octomap::OcTree& tree_;
@@ -64,7 +75,7 @@ OccupiedCell nearestOccupied(const octomap::OcTree& tree, const Box& box,
   const bool is_thin = box.size_m.minCoeff() < cell_m;  // it may hold no cell's centre
   const Eigen::Vector3d forward_M = box.T_M_F.linear().col(0);
   const double half_cell_m = 0.5 * cell_m * forward_M.lpNorm<1>();
-  const auto is_occupied = [&](const octomap::OcTreeNode& node) { return tree.isNodeOccupied(node); };
+  const auto is_occupied = [&](const auto& node, const auto&, double) { return tree.isNodeOccupied(node); };
   OccupiedCell nearest;
   BoxSearch(tree, box, is_thin ? cell_m : kTouch_m).run(is_occupied, [&](const Eigen::Vector3d& cell_M) {
     const double begin_m = std::max(0.0, forward_M.dot(cell_M - box.T_M_F.translation()) - half_cell_m);
@@ -76,9 +87,14 @@ OccupiedCell nearestOccupied(const octomap::OcTree& tree, const Box& box,
 }
 
 double unknownFraction(const octomap::OcTree& tree, const Box& box) {
-  const auto is_known = [](const octomap::OcTreeNode&) { return true; };
+  const BoxSearch search(tree, box, kTouch_m);
   double known = 0.0;
-  BoxSearch(tree, box, kTouch_m).run(is_known, [&](const Eigen::Vector3d& cell_M) { known += contains(box, cell_M); });
+  const auto enters = [&](const octomap::OcTreeNode& node, const Eigen::Vector3d& centre_M, double edge) {
+    const bool is_counted = !tree.nodeHasChildren(&node) && search.holds(centre_M, edge);
+    if (is_counted) known += edge * edge * edge;
+    return !is_counted;
+  };
+  search.run(enters, [&](const Eigen::Vector3d& cell_M) { known += contains(box, cell_M); });
   return std::clamp(1.0 - known * std::pow(tree.getResolution(), 3) / box.size_m.prod(), 0.0, 1.0);
 }
 
