@@ -93,7 +93,7 @@ class ThreadsTest : public testing::Test {
   void listen() {
     std::vector<ros::Subscriber> subscribers;
     for (const char* topic : {"free", "range_fused", "points", "obstacles", "clearing", "disparity", "depth/image_rect",
-                              "overlay", "octomap_full", "occupied_cells_vis_array", "projected_map"}) {
+                              "evidence", "overlay", "octomap_full", "occupied_cells_vis_array", "projected_map"}) {
       subscribers.push_back(node_.subscribe<topic_tools::ShapeShifter>(
           std::string("corridor/") + topic, 1, [this](const topic_tools::ShapeShifter::ConstPtr&) { ++heard_; }));
     }

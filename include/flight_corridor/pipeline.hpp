@@ -135,6 +135,12 @@ class Pipeline {
   const cv::Mat& texturedDepth() const;
   /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
   cv::Mat doubtful() const { return inspector_.doubtful(); }
+  /// Sighted of each pixel, CV_8UC1, in the corridor.
+  cv::Mat sighted() const { return inspector_.sighted(evidence()); }
+  /// The nearest hole in the corridor on the left image; empty: none.
+  cv::Rect hole() const { return inspector_.first().unobserved.hole_px; }
+  /// CV_8UC1, 255: pixels of the left image with texture, see Texture.
+  const cv::Mat& textured() const { return left_texture_.mask(); }
   /// CV_8UC1; empty before the first frame.
   const cv::Mat& left() const { return pair_.left; }
   /// CV_8UC1, see coveredPixels(); empty: the UAV covers nothing of the left image.

@@ -20,8 +20,8 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     for (int i = 0; i < fan.size(); ++i) evidence_[i].patches = patches[i];
   };
   const auto find_holes = [&] {
-    const auto& holes = holes_.find(fan, {pair.rays, pair.disparity, pair.textured, pair.earlier}, pair.correction, config.blind_m,
-                                    nearest_m, smallest_m, config.max_unknown_fraction);
+    const auto& holes = holes_.find(fan, absenceOf(pair), pair.correction, config.blind_m, nearest_m, smallest_m,
+                                    config.max_unknown_fraction);
     const std::vector<double> gaps_m = pair.gaps.freeUpTo(fan, smallest_m);
     for (int i = 0; i < fan.size(); ++i) {
       evidence_[i].unobserved = holes[i];

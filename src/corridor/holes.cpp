@@ -117,12 +117,13 @@ bool Holes::wasClear(int u, int v, const Place& place, const Absence& absence) {
   const float best_px = absence.matches.best_px.at<float>(v, u);
   float match_px = std::isnan(best_px) ? absence.matches.repeated_px.at<float>(v, u) : best_px;
   const bool has_nearer = std::isnan(best_px) && (absence.matches.flags.at<std::uint8_t>(v, u) & kCompetitor) != 0;
-  if (has_nearer) match_px = std::max(match_px, place.first_px + absence.matches.competitor_nearest.at<std::uint8_t>(v, u));
+  if (has_nearer)
+    match_px = std::max(match_px, place.first_px + absence.matches.competitor_nearest.at<std::uint8_t>(v, u));
   return !(match_px >= place.measured_px - kTouching_px) && place.earlier.wasClear(u, v);
 }
 
-/// Rows of a surface without texture are cleared one by one, up to their ends, of which some may be wrong. A gap between
-/// rows that end nearer is unclear, too, if it is lower than the smallest obstacle.
+/// Rows of a surface without texture are cleared one by one, up to their ends, of which some may be wrong. A gap
+/// between rows that end nearer is unclear, too, if it is lower than the smallest obstacle.
 void Holes::closeGaps(const Plane& plane, Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
   bare_.create(place.unclear.size(), CV_8UC1);
@@ -318,6 +319,29 @@ void Holes::findHole(int direction, Unobserved& found) {
     found.hole_along_m = beginOf(i, direction);
     return;
   }
+}
+
+cv::Mat Holes::image(const Absence& absence) const {
+  cv::Mat shown = cv::Mat::zeros(geometry_.size(), CV_8UC1);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Plane& plane = planes_[i];
+    const int stride = plane.stride_px;
+    for (int row = 0; row < places_[i].unclear.rows && !plane.view.empty(); ++row) {
+      for (int column = 0; column < places_[i].unclear.cols; ++column) {
+        const int u = plane.view.x + stride * column, v = plane.view.y + stride * row;
+        const Eigen::Vector3f p_F = fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>();
+        const bool is_in_view = places_[i].shift_px <= u;  // of both cameras
+        if (!is_in_view || !fan_.contains(fan_.turned(0, p_F))) continue;
+        const Sighted sighted = places_[i].unclear.at<std::uint8_t>(row, column) ? Sighted::Unclear
+                                : isUnclear(u, v, places_[i], absence)           ? Sighted::Earlier
+                                                                                 : Sighted::Clear;
+        const cv::Rect block = cv::Rect(u, v, stride, stride) & cv::Rect({0, 0}, shown.size());
+        cv::Mat pixels = shown(block);
+        pixels = cv::max(pixels, static_cast<double>(sighted));
+      }
+    }
+  }
+  return shown;
 }
 
 }  // namespace flight_corridor

@@ -11,6 +11,7 @@
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "flight_corridor/view/evidence.hpp"
 #include "flight_corridor/view/fill.hpp"
 #include "flight_corridor/view/overlay.hpp"
 #include "ros/conversions.hpp"
@@ -49,6 +50,7 @@ Publishers::Publishers(const ros::NodeHandle& private_node, const flight_corrido
   advertise("disparity", stereo_msgs::DisparityImage());
   advertise("depth/image_rect", sensor_msgs::Image());
   advertise("depth/camera_info", sensor_msgs::CameraInfo());
+  advertise("evidence", sensor_msgs::Image());
   advertise("overlay", sensor_msgs::Image());
   advertise("octomap_binary", octomap_msgs::Octomap());
   advertise("octomap_full", octomap_msgs::Octomap());
@@ -117,6 +119,10 @@ void Publishers::publishImages(const sensor_msgs::CameraInfo& left_info, const s
     sensor_msgs::CameraInfo info = left_info;
     info.header = header;
     return info;
+  });
+  publish("evidence", [&] {
+    flight_corridor::drawEvidence(pipeline.left(), flight_corridor::evidenceOf(pipeline), evidence_);
+    return toImage(header, evidence_, encodings::BGR8);
   });
   publish("overlay", [&] {
     drawOverlay(left, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,

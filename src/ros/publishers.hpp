@@ -55,7 +55,7 @@ class Publishers {
   std::atomic<double> marker_lifetime_s_;
   Throttle projection_warning_;
   std::map<std::string, ros::Publisher> publishers_;
-  cv::Mat overlay_;
+  cv::Mat overlay_, evidence_;
 };
 
 }  // namespace flight_corridor_ros

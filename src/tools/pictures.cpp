@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "flight_corridor/view/evidence.hpp"
 #include "flight_corridor/view/fill.hpp"
 #include "flight_corridor/view/overlay.hpp"
 
@@ -71,24 +72,25 @@ void addToVideo(const cv::Mat& picture, const std::string& path, double rate_hz,
 
 Pictures::Pictures(const PictureOptions& options) : options_(options) {
   if (!options.overlay_folder.empty()) makeFolder(options.overlay_folder);
+  if (!options.evidence_folder.empty()) makeFolder(options.evidence_folder);
   if (options.depth_folder.empty()) return;
   makeFolder(fs::path(options.depth_folder) / "matched");
   makeFolder(fs::path(options.depth_folder) / "filled");
 }
 
-bool Pictures::wantsOverlay(std::size_t index, State state) const {
-  if (options_.overlay_folder.empty()) return false;
-  return last_state_ != state || (options_.overlay_every > 0 && index % options_.overlay_every == 0);
+bool Pictures::isShown(std::size_t index, State state) const {
+  return last_state_ != state || (options_.every > 0 && index % options_.every == 0);
 }
 
 void Pictures::add(std::size_t index, const cv::Mat& left, const Pipeline& pipeline, const Report& report) {
   const State state = report.verdict.state;
-  const bool wants_overlay = wantsOverlay(index, state);
+  const bool is_shown = isShown(index, state), wants_overlay = is_shown && !options_.overlay_folder.empty();
   if (wants_overlay || !options_.video.empty()) {
     drawOverlay(left, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,
                 overlay_);
   }
   if (wants_overlay) writeOverlay(index, pipeline, report);
+  if (is_shown && !options_.evidence_folder.empty()) writeEvidence(index, pipeline, report);
   if (!options_.depth_folder.empty()) {
     toMillimetres(pipeline.depth(), depth_mm_);
     writeImage(fs::path(options_.depth_folder) / "matched" / (numbered(index) + ".png"), depth_mm_);
@@ -120,6 +122,15 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
   cv::vconcat(panels_, lower, panels_);
   const std::string name = numbered(index) + "_" + toString(report.verdict.state) + ".png";
   writeImage(fs::path(options_.overlay_folder) / name, panels_);
+}
+
+void Pictures::writeEvidence(std::size_t index, const Pipeline& pipeline, const Report& report) {
+  const cv::Mat evidence = evidenceOf(pipeline);
+  if (evidence.empty()) return;
+  drawEvidence(pipeline.left(), evidence, evidence_);
+  addLegend(evidence_);
+  const std::string name = numbered(index) + "_" + toString(report.verdict.state) + ".png";
+  writeImage(fs::path(options_.evidence_folder) / name, evidence_);
 }
 
 /// The overlay, beside it depth above the map, the line of verdicts below.

@@ -12,11 +12,12 @@ namespace flight_corridor::tools {
 
 /// Outputs for each processed frame; "" = none.
 struct PictureOptions {
-  std::string overlay_folder;  ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth (white: texture
-                               ///< that lacks a match), filled depth, map.
-  int overlay_every = 0;       ///< ... and at every so many frames; 0: changes only.
-  std::string depth_folder;    ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
-  std::string video;           ///< AVI (motion JPEG): overlay, depth, the map from above, and the verdicts so far.
+  std::string overlay_folder;   ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth (white: texture
+                                ///< that lacks a match), filled depth, map.
+  std::string evidence_folder;  ///< The same, of the evidence in colours: drawEvidence().
+  int every = 0;                ///< ... and at every so many frames; 0: changes only.
+  std::string depth_folder;     ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
+  std::string video;            ///< AVI (motion JPEG): overlay, depth, the map from above, and the verdicts so far.
   double video_rate_hz = 10.0;
   std::size_t video_frames = 1;  ///< Of the whole recording: the length of the line of verdicts.
 };
@@ -37,15 +38,16 @@ class Pictures {
   void add(std::size_t index, const cv::Mat& left, const Pipeline& pipeline, const Report& report);
 
  private:
-  bool wantsOverlay(std::size_t index, State state) const;
+  bool isShown(std::size_t index, State state) const;
   void writeOverlay(std::size_t index, const Pipeline& pipeline, const Report& report);
+  void writeEvidence(std::size_t index, const Pipeline& pipeline, const Report& report);
   void writeVideoFrame(const Pipeline& pipeline, const Report& report);
 
   PictureOptions options_;
   std::optional<State> last_state_;
   std::vector<State> verdicts_;  // for the video: of every frame, Unknown without a verdict
   cv::VideoWriter video_;
-  cv::Mat overlay_, matched_, depth_, map_, line_, depth_mm_, panels_;
+  cv::Mat overlay_, evidence_, matched_, depth_, map_, line_, depth_mm_, panels_;
 };
 
 }  // namespace flight_corridor::tools

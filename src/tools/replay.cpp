@@ -149,6 +149,10 @@ void list(const ReplayInput& input) {
 
 void replay(const ReplayInput& input, Outputs outputs) {
   keepInput(input, outputs);
+  if (outputs.pictures.every > 0 && outputs.pictures.overlay_folder.empty() &&
+      outputs.pictures.evidence_folder.empty()) {
+    throw std::runtime_error("--overlay-every: needs --overlays or --evidence");
+  }
   const flight_corridor_ros::NodeConfig config = readConfig(input.config, input.overrides);
   const StereoBagReader bag(input.bag, input.topics, input.reading);
   std::cerr << "replay: " << bag.describe() << "\n";
@@ -219,15 +223,17 @@ int main(int argc, char** argv) {
                  "file for the last map: .ot with log-odds, .bt with free, occupied\nand unknown only")
       ->type_name("M.ot")
       ->check(outputFile());
-  CLI::Option* overlays =
-      app.add_option("--overlays", outputs.pictures.overlay_folder,
-                     "folder for pictures of overlay, matched depth (white: matched behind\nthe box, but fits in it as "
-                     "well), filled depth and map, one at each\nchange of verdict")
-          ->type_name("DIR");
-  app.add_option("--overlay-every", outputs.pictures.overlay_every, "... and one at every N frames")
+  app.add_option("--overlays", outputs.pictures.overlay_folder,
+                 "folder for pictures of overlay, matched depth (white: matched behind\nthe box, but fits in it as "
+                 "well), filled depth and map, one at each\nchange of verdict")
+      ->type_name("DIR");
+  app.add_option(
+         "--evidence", outputs.pictures.evidence_folder,
+         "folder for pictures of the evidence: what each pixel shows about the\nbox, one at each change of verdict")
+      ->type_name("DIR");
+  app.add_option("--overlay-every", outputs.pictures.every, "overlays and evidence: and one at every N frames")
       ->type_name("N")
-      ->check(wholeNumber(0, std::numeric_limits<int>::max()))
-      ->needs(overlays);
+      ->check(wholeNumber(0, std::numeric_limits<int>::max()));
   app.add_option("--depth", outputs.pictures.depth_folder, "folder for corrected depth images, uint16 mm")
       ->type_name("DIR");
   app.add_option("--video", outputs.pictures.video,

@@ -52,12 +52,18 @@ class BoxInspector {
 
   /// CV_8UC1, 255: pixels that are matched behind the first direction's box, but fit in it as well.
   cv::Mat doubtful() const { return doubt_.image(); }
+  /// Sighted of each pixel, CV_8UC1, in the first direction's box.  @param pair as of the last inspect().
+  cv::Mat sighted(const PairEvidence& pair) const { return holes_.image(absenceOf(pair)); }
+  /// The evidence of the first direction's box.
+  const BoxEvidence& first() const { return evidence_.front(); }
   /// Points of the patches that block the first direction's box, in C [m].
   const std::vector<Eigen::Vector3d>& blocking() const { return patches_.blocking(); }
   /// Some points of the patches that block a direction's box and images may miss, see BoxPatches.
   const std::vector<PatchPoint>& missable() const { return patches_.missable(); }
 
  private:
+  static Absence absenceOf(const PairEvidence& pair) { return {pair.rays, pair.disparity, pair.textured, pair.earlier}; }
+
   StereoGeometry geometry_;
   BoxPatches patches_;
   Holes holes_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -36,6 +37,9 @@ constexpr double kEndShare = 0.25;  ///< Of a box's length: its end.
 /// obstacle.
 constexpr double kHole = 1.6;
 
+/// What is known of a pixel's ray through a box: the least of all its depths.
+enum class Sighted : std::uint8_t { Nowhere, Clear, Earlier, Unclear };  ///< Earlier: earlier pairs saw it clear.
+
 /// What shows that space is clear; views.
 struct Absence {
   const ClearRays& rays;             ///< Of the newest pair.
@@ -57,6 +61,9 @@ class Holes {
   /// @return the unobserved part of each direction's box, valid until the next call.
   const std::vector<Unobserved>& find(const Fan& fan, const Absence& absence, const ScaleCorrection& correction,
                                       double from_m, double nearest_m, double smallest_m, double most_unclear);
+
+  /// Sighted of each pixel, CV_8UC1, in the first direction's box.  @param absence as of the last find().
+  cv::Mat image(const Absence& absence) const;
 
  private:
   /// A depth, and the sections of the boxes there.
