@@ -22,7 +22,7 @@ constexpr float kAsGood = 0.1f;   // by how much less another match may correlat
 constexpr float kBetween = 0.5f;  // of the own fit: a worse match between two makes them two
 constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or behind the surface
 
-constexpr int kBarStride_px = 2;
+constexpr int kBarStride_px = 2;  // between windows
 constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows, for columns meet the bars' pitch
 constexpr int kShared = 3;                 // ... but of several boxes in each this part of them
 constexpr float kBarTexture = 3.0f;        // grey levels: mean gradient along the row in a window's middle

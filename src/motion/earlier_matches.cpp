@@ -14,7 +14,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr std::size_t kMostMatches = 3;  // pairs: their sets are large
-constexpr std::size_t kMostSamples = 100;
+constexpr std::size_t kMostSamples = 100;  // pixels of a patch that are looked up
 constexpr double kSigmas = 2.0;   // of the motion's error
 constexpr double kFit_px = 1.0;   // a disparity so near to a place's fits there
 constexpr double kFitting = 0.5;  // of a patch's pixels: in every pair some of a real one are matched otherwise

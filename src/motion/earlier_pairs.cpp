@@ -10,7 +10,7 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr std::size_t kMostPairs = 16;
+constexpr std::size_t kMostPairs = 16;  // 1.6 s of them, at least
 constexpr int kVotes = 2;               // earlier pairs that must have seen a place clear
 constexpr double kSurely = 3.0;         // sigmas of the motion: the place was clear beyond doubt
 constexpr double kMatchError_px = 1.0;  // of both matches there

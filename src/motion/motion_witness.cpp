@@ -9,7 +9,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kLeast_m = 0.3, kLeast_rad = 5.0 * M_PI / 180.0;  // of a way that is compared
-constexpr double kSignificantSigmas = 3.0;
+constexpr double kSignificantSigmas = 3.0;  // of the difference
 // What is told is odometry, or a filter's pose: 2 % and 1 cm, and a rotation that drifts by half a degree a second.
 constexpr double kToldShare = 0.02, kTold_m = 0.01, kTold_radps = 0.5 * M_PI / 180.0;
 

@@ -20,10 +20,10 @@ constexpr int kCornerContrast = 10;  // grey: of FAST
 const cv::Size kWindow_px(13, 13);
 constexpr float kHome_px = 0.5f;      // a corner that is tracked back comes home to this, half-sized
 constexpr double kReprojection_px = 1.0;  // of a corner that agrees with a motion
-constexpr int kLeastInliers = 20;
+constexpr int kLeastInliers = 20;  // corners that agree
 constexpr double kLeastShare = 0.5;      // of the corners that were found again
 constexpr double kAnotherSurface_px = 1.0;  // a match that differs by more is of another surface
-constexpr int kSteps = 4;
+constexpr int kSteps = 4;  // of least squares
 constexpr double kAlike = 3.0;    // errors of corners are alike: their mean is less certain than were they independent
 constexpr double kOfWay = 0.01;   // of the way from the key image: bias of the disparities
 constexpr double kTracking_px = 0.3;     // one sigma of a corner's place, at least

@@ -13,7 +13,7 @@ constexpr double kOtherRateSigma_mps = 2.0;   // of another surface on the beam,
 constexpr double kSureOfRate = 1.0;           // sigmas
 constexpr int kTooOften = 4;                  // equal readings: noise hardly allows that
 constexpr double kTogether_s = 0.1;           // two gated sensors speak of the same surface when so close in time
-constexpr double kAccelerationHolds_s = 0.1;
+constexpr double kAccelerationHolds_s = 0.1;  // of an IMU
 constexpr double kLargestAcceleration_mps2 = 300.0;  // an IMU of +-16 g on each axis ends below
 constexpr std::size_t kCapacity = 1024;              // readings in the buffer, whatever their stamps
 

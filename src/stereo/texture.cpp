@@ -12,7 +12,7 @@ constexpr int kAcross_px = 4, kAlong_px = 2;  // reach of the window, 9 x 5: the
 constexpr int kApart_px = 2;                  // distance of the compared pixels to either side: blur is no wider
 constexpr int kWindow = (2 * kAcross_px + 1) * (2 * kAlong_px + 1);
 constexpr double kAboveNoise = 2.0;  // of the variance of noise alone, which is off by a fifth over such a window
-constexpr int kBlock_px = 16;
+constexpr int kBlock_px = 16;  // squares in which the noise is measured
 constexpr double kSmoothest = 0.2;                               // share of the blocks: those show noise alone
 constexpr double kLeastNoise_grey = 0.7, kMostNoise_grey = 6.0;  // rounding; a scene that is texture all over
 constexpr int kDark = 2, kBright = 250;                          // beyond these, noise is clipped

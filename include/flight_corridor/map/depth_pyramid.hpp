@@ -12,7 +12,7 @@ namespace flight_corridor {
 /// are widened to whole tiles, so that an answer never omits a requested ray.
 class DepthPyramid {
  public:
-  static constexpr int kTile_px = 4;
+  static constexpr int kTile_px = 4;  // squares in which free space is resolved
 
   /// @param depth_m CV_32FC1, depth of the surface at each pixel; NaN = no ray.
   /// @param free_band_px a ray is free up to the point whose disparity is larger than its surface's by this.

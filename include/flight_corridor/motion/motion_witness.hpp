@@ -40,7 +40,7 @@ class MotionWitness {
   void forget() { disagreeing_ = 0; }
 
  private:
-  static constexpr int kInSuccession = 2;
+  static constexpr int kInSuccession = 2;  // ways that disagree
 
   int disagreeing_ = 0;  // ways in succession
   Way way_;
