@@ -24,7 +24,7 @@ class Install(unittest.TestCase):
         cls.programs = os.path.join(cls.folder.name, "lib", "flight_corridor")
         cls.share = os.path.join(cls.folder.name, "share", "flight_corridor")
         cls.documents = ""
-        for document in ("README.md", os.path.join("doc", "integration.md"), os.path.join("doc", "autopilots.md")):
+        for document in ("README.md", os.path.join("doc", "integration.md")):
             with open(os.path.join(SOURCE, document), encoding="utf-8") as file:
                 cls.documents += file.read()
 
