@@ -26,6 +26,7 @@
 #include "flight_corridor/corridor/corridor.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/range_fusion.hpp"
+#include "paper_rule.hpp"
 #include "ros/conversions.hpp"
 #include "stock_octomap.hpp"
 #include "tools/command_line.hpp"
@@ -47,14 +48,6 @@ double milliseconds(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The corridor's face at D_min on the left image: the paper's window.
-cv::Rect window(const StereoGeometry& geometry) {
-  const Eigen::Vector3d corner(kCorridor.width_m / 2, kCorridor.height_m / 2, kCorridor.length_m);
-  const Eigen::Vector2d low = geometry.project({-corner.x(), -corner.y(), corner.z()}), high = geometry.project(corner);
-  const cv::Rect area(cv::Point(cvRound(low.x()), cvRound(low.y())), cv::Point(cvRound(high.x()), cvRound(high.y())));
-  return area & cv::Rect({}, geometry.size());
 }
 
 /// @return +inf where no disparity is left: a WLS filter leaves no pixel out.
@@ -84,7 +77,8 @@ std::string fileName(const char* method, double threshold, int decimals) {
 
 class Yardsticks {
  public:
-  explicit Yardsticks(const StereoGeometry& geometry) : geometry_(geometry), window_(window(geometry)) {}
+  explicit Yardsticks(const StereoGeometry& geometry)
+      : geometry_(geometry), window_(bench::paperWindow(kCorridor, geometry)) {}
 
   void add(const RangeReading& lidar) {
     if (!(lidar.min_range_m <= lidar.range_m && lidar.range_m <= lidar.max_range_m)) return;

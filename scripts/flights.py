@@ -1,15 +1,9 @@
-"""Simulated flights and the verdicts on them, in a cache: nothing is done again unless what it depends on changed."""
+"""Simulated flights and the verdicts on them: nothing is done again unless what it depends on changed."""
 
 import argparse
-import concurrent.futures
-import pathlib
-import sys
-import tempfile
-import time
 
-from tools import ROOT, ToolError, digest, run_tool, tool_digest
-
-CACHE = ROOT / "output" / "cache"
+from jobs import CACHE, Job
+from tools import digest, run_tool, tool_digest
 
 
 def seed_range(text):
@@ -20,95 +14,72 @@ def seed_range(text):
     return range(int(first), int(last or first) + 1)
 
 
-def positive(text):
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"1 or more ({text})")
-    return int(text)
-
-
 class Replay:
     """Our pipeline with a configuration: writes result.csv."""
 
     def __init__(self, config, overrides):
-        self.arguments = ["--config", config, *[word for pair in overrides for word in ("--set", pair)]]
+        self.config, self.overrides = config, overrides
+        self.key = self.address()
+
+    def address(self):
         program = tool_digest("replay", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor")
-        self.key = "replay_" + digest(program, config, *overrides)
+        return "replay_" + digest(program, self.config, *self.overrides)
 
     def judge(self, bag, folder):
-        run_tool("replay", "--bag", bag, "--csv", folder / "result.csv", *self.arguments)
+        overrides = [word for pair in self.overrides for word in ("--set", pair)]
+        run_tool("replay", "--bag", bag, "--csv", folder / "result.csv", "--config", self.config, *overrides)
 
 
 class Yardsticks:
     """Stock methods: writes a table for each threshold of each, e.g. paper_4.00.csv."""
 
     def __init__(self):
-        self.key = "yardsticks_" + tool_digest("yardsticks", "flight_corridor_tools", "flight_corridor_ros",
-                                                "flight_corridor")
+        self.key = self.address()
+
+    def address(self):
+        return "yardsticks_" + tool_digest("yardsticks", "flight_corridor_tools", "flight_corridor_ros",
+                                           "flight_corridor")
 
     def judge(self, bag, folder):
         run_tool("yardsticks", "--bag", bag, "--out", folder)
 
 
-class Flight:
-    """One flight: a family of scenes, a seed, and further options of simulate."""
+class Flight(Job):
+    """One flight: a family of scenes, a seed, further options of simulate; and the verdicts of `judges` on it. Bags are
+    big: they go unless they are to be kept."""
 
-    def __init__(self, family, seed, options):
-        self.family, self.seed = family, seed
-        self.arguments = ["--scene", family, "--seed", seed, *options]
-        program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor_sim")
-        self.folder = CACHE / f"{family}_{seed}_{digest(program, *options)}"
+    def __init__(self, family, seed, options, keep_bag=False):
+        self.family, self.seed, self.options, self.keep_bag, self.judges = family, seed, options, keep_bag, []
+        super().__init__(f"{family} seed {seed}")
         self.truth, self.bag = self.folder / "truth.csv", self.folder / "flight.bag"
+
+    def address(self):
+        program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor_sim")
+        return CACHE / f"{self.family}_{self.seed}_{digest(program, *self.options)}"
+
+    def is_current(self):
+        return super().is_current() and all(judge.address() == judge.key for judge in self.judges)
 
     def result(self, judge, file):
         return self.folder / judge.key / file
 
-    def fly(self, judges, keep_bag):
-        """Makes the verdicts that are missing. Bags are big: they go unless they are to be kept."""
-        missing = [judge for judge in judges if not (self.folder / judge.key).exists()]
-        if not missing:
-            return
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=self.folder) as name:  # what is moved out of it is whole
-            scratch = pathlib.Path(name)
-            bag = self.bag if self.bag.exists() else self._simulate(scratch, keep_bag)
-            for judge in missing:
+    def results(self):
+        return [self.truth, *([self.bag] if self.keep_bag else []), *[self.folder / judge.key for judge in self.judges]]
+
+    def make(self, scratch):
+        bag = self.bag
+        if not (bag.exists() and self.truth.exists()):
+            bag = scratch / bag.name
+            run_tool("simulate", "--scene", self.family, "--seed", self.seed, *self.options, "--out", bag, "--truth",
+                     scratch / self.truth.name)
+        for judge in self.judges:
+            if not (self.folder / judge.key).exists():
                 verdicts = scratch / judge.key
                 verdicts.mkdir()
                 judge.judge(bag, verdicts)
-                verdicts.rename(self.folder / judge.key)
-
-    def _simulate(self, scratch, keep_bag):
-        bag, truth = scratch / "flight.bag", scratch / "truth.csv"
-        run_tool("simulate", *self.arguments, "--out", bag, "--truth", truth)
-        truth.rename(self.truth)
-        return bag.rename(self.bag) if keep_bag else bag
 
     def simulated(self):
         """@return its bag, which stays."""
-        if not self.bag.exists():
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=self.folder) as scratch:
-                self._simulate(pathlib.Path(scratch), True)
+        self.keep_bag = True
+        self.ensure()
         return self.bag
-
-
-def fly_all(flights, judges_of, jobs, keep_bags):
-    """Flies in parallel, each for the judges of that flight, and prints how it goes.  @return the flights that failed."""
-    failed, start = [], time.monotonic()
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        futures = {pool.submit(flight.fly, judges_of(flight), keep_bags): flight for flight in flights}
-        try:
-            for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-                flight, outcome = futures[future], ""
-                try:
-                    future.result()
-                except (ToolError, OSError) as error:
-                    failed.append(flight)
-                    outcome = f" FAILED: {error}"
-                left_s = (time.monotonic() - start) * (len(flights) - done) / done
-                print(f"[{done}/{len(flights)}] {flight.family} seed {flight.seed}, {left_s:.0f} s left{outcome}",
-                      file=sys.stderr, flush=True)
-        except BaseException:  # Ctrl-C: what has not begun shall not
-            pool.shutdown(cancel_futures=True)
-            raise
-    return failed
