@@ -5,9 +5,7 @@
 #include <opencv2/core.hpp>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
-#include "flight_corridor/corridor/sight.hpp"
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/match_error.hpp"
 
@@ -155,48 +153,6 @@ void Pipeline::trackRange() {
   static_cast<RangeCounts&>(counters_) = range_tracker_.counts();
 }
 
-/// The last pair's matches become an earlier one's, before this pair overwrites them.
-void Pipeline::rememberMatches() {
-  if (!std::exchange(keeps_matches_, false) || !motion_.pose() || config_.corridor.memory_s <= 0.0) return;
-  earlier_matches_.add(judged_s_, *motion_.pose(), disparity_);
-}
-
-/// The last pair becomes an earlier one, if its free space is trusted.
-void Pipeline::remember() {
-  const bool clears = std::exchange(clears_, false);
-  if (!motion_.pose() || !clears || config_.corridor.memory_s <= 0.0) return;
-  rays_.keepSeen();
-  earlier_.add(judged_s_, *motion_.pose(), depth_m_, left_texture_.mask(), rays_.metLeft(), rays_.metRight());
-}
-
-/// A new series of poses has another frame.
-void Pipeline::followMotion(const std::optional<Eigen::Isometry3d>& told_W_C) {
-  const double stamp_s = report_.verdict.stamp_s;
-  motion_.update(stamp_s, pair_.left, disparity_.best_px, scale(), told_W_C);
-  const auto& pose = motion_.pose();
-  if (pose && pose->series != series_) {
-    obstacles_.clear();
-    series_ = pose->series;
-  }
-  if (pose) known_V_C_ = pose->T_M_C, known_s_ = stamp_s;
-  earlier_.moveTo(stamp_s, pose, config_.corridor.memory_s);
-  earlier_matches_.moveTo(stamp_s, pose, config_.corridor.memory_s);
-}
-
-/// The frame of the camera's motion and that of the map differ by a rotation, at least: the box around the box.
-void Pipeline::clearMemory(const Eigen::AlignedBox3d& box_M) {
-  earlier_.forget();
-  earlier_matches_.forget();
-  keeps_matches_ = clears_ = false;
-  if (!motion_.pose()) return obstacles_.clear();
-  const Eigen::Isometry3d T_V_M = motion_.pose()->T_M_C * T_M_C_.inverse();
-  Eigen::AlignedBox3d box_V;
-  for (int corner = 0; corner < 8; ++corner) {
-    box_V.extend(T_V_M * box_M.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-  }
-  obstacles_.clear(box_V);
-}
-
 /// Whether the cloud is complete, of now, and not too far everywhere. A nearer LiDAR rules only the beam, but
 /// contradicts the whole cloud; a farther one does not. A pair in doubt clears nothing (the beam clears its own cells),
 /// because others rely on the map's free space, and later.
@@ -212,32 +168,16 @@ const cv::Mat& Pipeline::texturedDepth() const {
   return textured_m_;
 }
 
-void Pipeline::updateMap() const {
-  is_map_current_ = true;
-  if (remembers()) {
-    map_.keepAround(T_M_C_.translation(), report_.verdict.stamp_s);
-  } else {
-    map_.clear();
-  }
-  map_.insert(texturedDepth(), T_M_C_, report_.clears);
-  if (const double range_m = report_.range.range_m;
-      std::isfinite(report_.range_lidar_m) && range_m <= config_.map.max_range_m) {
-    map_.insertBeam(T_M_C_ * range_tracker_.point(0.0), T_M_C_ * range_tracker_.point(range_m));
-  }
-}
-
-const OccupancyMap& Pipeline::map() const {
-  if (!is_map_current_) updateMap();
-  return map_;
-}
-
 double Pipeline::nearestDepth() const {
   return geometry_.depth(scale().correct(geometry_.disparity(disparity_estimator_.nearestDepth())));
 }
 
 PairEvidence Pipeline::evidence() const {
-  return {pair_,     disparity_, depth_m_, left_texture_.mask(), rays_, gaps_, earlier_, earlier_matches_, scale(),
-          disparity_estimator_.nearestDepth()};
+  return {pair_,    disparity_,
+          depth_m_, left_texture_.mask(),
+          rays_,    gaps_,
+          earlier_, earlier_matches_,
+          scale(),  disparity_estimator_.nearestDepth()};
 }
 
 /// An obstacle seen earlier in the box blocks until it is known to have gone; only this frame's evidence makes FREE.
@@ -272,19 +212,6 @@ void Pipeline::decide() {
   keeps_matches_ = image_faults_ == 0 && (verdict.reasons & (kNoDisparity | kBadCalibration)) == 0;
   updateObstacles();
   judged_s_ = verdict.stamp_s;
-}
-
-void Pipeline::updateObstacles() {
-  const auto& pose = motion_.pose();
-  if (!pose) return obstacles_.update(report_.verdict.stamp_s, [](const auto&) { return Sight::Nothing; });
-  const Eigen::Isometry3d T_C_V = pose->T_M_C.inverse();
-  obstacles_.update(report_.verdict.stamp_s, [&](const Eigen::Vector3d& centre_V) {
-    return clears_ ? sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) : Sight::Nothing;
-  });
-  if (image_faults_ != 0 || config_.corridor.memory_s <= 0.0) return;
-  std::vector<Eigen::Vector3d> points_V;
-  for (const Eigen::Vector3d& p_C : inspector_.blocking()) points_V.push_back(pose->T_M_C * p_C);
-  obstacles_.add(points_V, report_.verdict.stamp_s);
 }
 
 void Pipeline::setCorridor(const CorridorConfig& corridor) {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flight_corridor/corridor/sight.hpp"
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/pipeline.hpp"
 
@@ -16,7 +15,6 @@ constexpr std::uint32_t kMapInDoubt =  // reasons of a frame without evidence, o
 
 constexpr double kMostUnknown = 0.1;      // of a box that is asked about
 constexpr double kNearestAsked_m = 0.1;   // from the camera on it must be known
-constexpr double kFastestBox_mps = 7.0;   // of a box's end: the UAV flies, and turns
 constexpr double kSameObstacle_m = 0.15;  // so far apart a verdict's distance and a patch's beginning are of one
 
 /// Whether a patch shows what blocks a box.
@@ -55,33 +53,6 @@ double Pipeline::lidarDisparity(const Box& box_C) const {
   const bool is_valid = report_.lidar_range_valid && geometry_.contains(pixel) &&
                         viewOfEnd(box_C, geometry_).contains(cv::Point2d(pixel.x(), pixel.y()));
   return is_valid ? geometry_.disparity(met_C.z()) : kNaN;
-}
-
-/// What is remembered of a box: obstacles that the newest pair does not show, and what the map in a fixed frame knows.
-/// @return places in C.
-OccupiedCell Pipeline::remembered(const Box& box_C) const {
-  OccupiedCell remembered;
-  if (remembers()) remembered = nearestOccupied(map_.tree(), {T_M_C_ * box_C.T_M_F, box_C.size_m});
-  remembered.centre = T_M_C_.inverse() * remembered.centre;
-  if (!motion_.pose()) return remembered;
-  const Eigen::Isometry3d &T_V_C = motion_.pose()->T_M_C, T_C_V = T_V_C.inverse();
-  const auto counts = [&](const Eigen::Vector3d& centre_V) {
-    const bool is_earlier = obstacles_.seen(centre_V) < report_.verdict.stamp_s;
-    return is_earlier && sightOf(evidence(), geometry_, T_C_V * centre_V, config_.map.resolution_m) == Sight::Nothing;
-  };
-  const OccupiedCell obstacle = nearestOccupied(obstacles_.tree(), {T_V_C * box_C.T_M_F, box_C.size_m}, counts);
-  if (obstacle.clear_distance_m >= remembered.clear_distance_m) return remembered;
-  return {obstacle.clear_distance_m, T_C_V * obstacle.centre};
-}
-
-/// Whether a remembered obstacle may be in a box while nobody knows where the camera is: one that was no farther from
-/// it, at the last known pose, than the camera and the box may have moved since.
-bool Pipeline::mayHoldLostObstacle(const Box& box_C) const {
-  if (motion_.pose() || obstacles_.tree().size() == 0) return false;
-  const double moved_m = kFastestBox_mps * (report_.verdict.stamp_s - known_s_);
-  if (!(moved_m <= config_.map.max_range_m)) return true;
-  const Eigen::Isometry3d T_V_F = known_V_C_ * box_C.T_M_F * Eigen::Translation3d(-moved_m, 0.0, 0.0);
-  return nearestOccupied(obstacles_.tree(), {T_V_F, box_C.size_m.array() + 2.0 * moved_m}).clear_distance_m < kInfinity;
 }
 
 /// The verdict on a box, except for what belongs to the corridor, a query or a fan alone.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
 constexpr auto kNoise_px = static_cast<float>(kMatchNoise_px);
-constexpr int kBands = 8;       // of rows, side by side
+constexpr int kRowBands = 8;       // of rows, side by side
 constexpr int kEndMatches = 3;  // beside a run without texture, at least
 constexpr int kFaintEdge_px = 7;          // an edge has gaps so wide
 constexpr float kSteepest = 1.7320508f;   // tan(60 deg): slope of a surface that the LiDAR still ranges
@@ -34,9 +34,9 @@ ClearRays::ClearRays(const StereoGeometry& geometry)
 void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
                      const ScaleCorrection& correction, BandWorkers& workers) {
   kept_px_.setTo(0.0);
-  workers.run(kBands, [&](int band, int) {
+  workers.run(kRowBands, [&](int band, int) {
     const int rows = met_left_px_.rows;
-    for (int v = rows * band / kBands; v < rows * (band + 1) / kBands; ++v) {
+    for (int v = rows * band / kRowBands; v < rows * (band + 1) / kRowBands; ++v) {
       lookAlong(v, evidence, left.ptr(v), correction);
       clearTexturelessRuns(v, evidence, left.ptr(v), right.ptr(v));
     }

@@ -40,6 +40,13 @@ struct BagReading {
   bool by_stamps = false;  ///< Use the stamps as times of recording, which a conversion may have lost.
 };
 
+/// How images become rectified pairs.
+struct Rectification {
+  std::optional<StereoCameras> cameras = {};  ///< Those of a file; else the bag's CameraInfos.
+  bool is_raw = false;
+  std::string frame = {};  ///< For images without one.
+};
+
 /// Reads a bag as the node would hear it. Raw images are rectified.
 class StereoBagReader {
  public:
@@ -88,15 +95,6 @@ class StereoBagReader {
     tf2_msgs::TFMessageConstPtr message;
     bool is_static;
   };
-
-  /// How images become rectified pairs.
-  struct Rectification {
-    std::optional<StereoCameras> cameras;  ///< Those of a file; else the bag's CameraInfos.
-    bool is_raw = false;
-    std::string frame;  ///< For images without one.
-  };
-  template <typename Policy>
-  class PairBuilder;
 
   bool has(const std::string& topic) const;
   bool holds(const std::string& topic, const std::string& type) const;
