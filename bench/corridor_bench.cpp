@@ -55,7 +55,9 @@ void BM_Corridor(benchmark::State& state) {
   right_texture.find(pair.right);
   for (auto _ : state) {
     left_texture.find(pair.left);
-    rays.look(disparity, left_texture.mask(), right_texture.mask(), correction, estimator.workers());
+    estimator.workers().run(ClearRays::kParts, [&](int part, int) {
+      rays.look(part, disparity, left_texture.mask(), right_texture.mask(), correction);
+    });
     gaps.find(disparity.best_px, left_texture.mask(), correction, config.smallest_obstacle_m);
     const PairEvidence evidence{
         pair, disparity,       depth_m,    left_texture.mask(),     rays, gaps,

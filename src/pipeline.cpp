@@ -188,13 +188,22 @@ void Pipeline::decide() {
   workers.run(2, [&](int side, int) {
     side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
   });
-  rays_.look(disparity_, left_texture_.mask(), right_texture_.mask(), scale(), workers);
-  gaps_.find(disparity_.best_px, left_texture_.mask(), scale(), smallestInspected(corridor));
   earlier_.look(disparity_, left_texture_.mask());
-  if (config_.speed.mover_mps > 0.0) {
+  const auto look_at_rays = [&](int part) {
+    rays_.look(part, disparity_, left_texture_.mask(), right_texture_.mask(), scale());
+  };
+  const auto find_gaps = [&] {
+    gaps_.find(disparity_.best_px, left_texture_.mask(), scale(), smallestInspected(corridor));
+  };
+  const auto look_for_movers = [&] {
     const auto pose = image_faults_ == 0 ? motion_.pose() : std::nullopt;
     movers_.look(report_.verdict.stamp_s, pose, depth_m_, left_texture_.mask(), earlier_);
-  }
+  };
+  workers.run(2 + ClearRays::kParts, [&](int part, int) {  // the longest first
+    if (part >= 2) return look_at_rays(part - 2);
+    if (part == 1) return find_gaps();
+    if (config_.speed.mover_mps > 0.0) look_for_movers();
+  });
   if (report_.lidar_is_new) {
     const double met_m = std::fmin(report_.range.range_m, report_.range_lidar_m);
     rays_.clearPlainSurface(disparity_, left_texture_.mask(), scale(), range_tracker_.point(met_m));

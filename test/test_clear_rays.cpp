@@ -24,7 +24,13 @@ class ClearRaysTest : public testing::Test {
  protected:
   void look(const StereoGeometry& geometry = kSmallGeometry) {
     rays_ = ClearRays(geometry);
-    rays_.look(evidence_, textured_, right_textured_, ScaleCorrection(ScaleConfig()), workers_);
+    lookAtRays();
+  }
+  void lookAtRays() {
+    const ScaleCorrection correction((ScaleConfig()));
+    for (int part = 0; part < ClearRays::kParts; ++part) {
+      rays_.look(part, evidence_, textured_, right_textured_, correction);
+    }
   }
 
   /// Of the left camera's ray alone, or of the right one's to the same point, too.
@@ -50,7 +56,6 @@ class ClearRaysTest : public testing::Test {
   DisparityEvidence evidence_ = uniformEvidence(kSmallGeometry.size(), 3.0);
   cv::Mat textured_ = texturedAllOver(kSmallGeometry.size());
   cv::Mat right_textured_ = cv::Mat::zeros(kSmallGeometry.size(), CV_8UC1);
-  BandWorkers workers_{2};
   ClearRays rays_{kSmallGeometry};
 };
 
@@ -189,10 +194,10 @@ TEST_F(ClearRaysTest, ThePrincipalPointsDifferenceIsPartOfTheShift) {
 }
 
 TEST_F(ClearRaysTest, WhatIsLookedAtAnewForgetsWhatWasBefore) {
-  rays_.look(evidence_, textured_, right_textured_, ScaleCorrection(ScaleConfig()), workers_);
+  lookAtRays();
   ASSERT_TRUE(isClear(160, 20.0));
   match(0, kColumns, kNaN);
-  rays_.look(evidence_, textured_, right_textured_, ScaleCorrection(ScaleConfig()), workers_);
+  lookAtRays();
   EXPECT_FALSE(isClear(160, 20.0));
 }
 

@@ -28,8 +28,9 @@ class HolesTest : public testing::Test {
   Unobserved find(const Box& box = kCorridor, double nearest_m = kNearest_m) {
     const ScaleCorrection correction((ScaleConfig()));
     ClearRays rays(kVgaGeometry);
-    BandWorkers workers(1);
-    rays.look(evidence_, textured_, right_textured_, correction, workers);
+    for (int part = 0; part < ClearRays::kParts; ++part) {
+      rays.look(part, evidence_, textured_, right_textured_, correction);
+    }
     const Absence absence{rays, evidence_, textured_, earlier_};
     return Holes(kVgaGeometry)
         .find(box, absence, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear)

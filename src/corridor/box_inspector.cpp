@@ -28,8 +28,11 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
       evidence_[i].unobserved.hole_along_m = std::min(holes[i].hole_along_m, gaps_m[i]);
     }
   };
-  const auto look_for_railings = [&] { railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m); };
-  workers.run(3, [&](int part, int) { part == 0 ? find_patches() : part == 1 ? find_holes() : look_for_railings(); });
+  const auto look_for_railings = [&] {
+    railings_.look(fan, pair.images, pair.depth_m, pair.nearest_m);
+    if (is_one) evidence_[0].is_ambiguous = railings_.mayBeIn(fan.box(0), lidar_px[0]);
+  };
+  workers.run(3, [&](int part, int) { part == 0 ? find_holes() : part == 1 ? find_patches() : look_for_railings(); });
   questions_.clear();
   for (int i = 0; i < fan.size(); ++i) {  // of many, one with a near hole is of no use unless a patch blocks it
     BoxEvidence& evidence = evidence_[i];
@@ -37,10 +40,11 @@ const std::vector<BoxEvidence>& BoxInspector::inspect(const Fan& fan, const Pair
     const bool is_open = is_one || evidence.unobserved.hole_along_m > config.width_m ||
                          std::any_of(evidence.patches.begin(), evidence.patches.end(), blocks);
     evidence.is_doubt_searched = is_open;
-    evidence.is_ambiguous = is_open && railings_.mayBeIn(fan.box(i), lidar_px[i]);
+    if (!is_one) evidence.is_ambiguous = is_open && railings_.mayBeIn(fan.box(i), lidar_px[i]);
     questions_.push_back({is_open, lidar_px[i]});
   }
-  doubt_.find(fan, config.blind_m, pair.disparity, pair.earlier_matches, pair.correction, questions_, smallest_m, workers);
+  doubt_.find(fan, config.blind_m, pair.disparity, pair.earlier_matches, pair.correction, questions_, smallest_m,
+              workers);
   for (int i = 0; i < fan.size(); ++i) evidence_[i].is_ambiguous |= doubt_.isIn(i);
   return evidence_;
 }

@@ -16,7 +16,6 @@ namespace {
 
 constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
 constexpr auto kNoise_px = static_cast<float>(kMatchNoise_px);
-constexpr int kRowBands = 8;       // of rows, side by side
 constexpr int kEndMatches = 3;  // beside a run without texture, at least
 constexpr int kFaintEdge_px = 7;          // an edge has gaps so wide
 constexpr float kSteepest = 1.7320508f;   // tan(60 deg): slope of a surface that the LiDAR still ranges
@@ -31,16 +30,14 @@ ClearRays::ClearRays(const StereoGeometry& geometry)
       met_left_px_(geometry.size(), CV_32FC1),
       met_right_px_(geometry.size(), CV_32FC1) {}
 
-void ClearRays::look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
-                     const ScaleCorrection& correction, BandWorkers& workers) {
-  kept_px_.setTo(0.0);
-  workers.run(kRowBands, [&](int band, int) {
-    const int rows = met_left_px_.rows;
-    for (int v = rows * band / kRowBands; v < rows * (band + 1) / kRowBands; ++v) {
-      lookAlong(v, evidence, left.ptr(v), correction);
-      clearTexturelessRuns(v, evidence, left.ptr(v), right.ptr(v));
-    }
-  });
+void ClearRays::look(int part, const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
+                     const ScaleCorrection& correction) {
+  const int rows = met_left_px_.rows, begin = rows * part / kParts, end = rows * (part + 1) / kParts;
+  kept_px_.rowRange(begin, end).setTo(0.0);
+  for (int v = begin; v < end; ++v) {
+    lookAlong(v, evidence, left.ptr(v), correction);
+    clearTexturelessRuns(v, evidence, left.ptr(v), right.ptr(v));
+  }
 }
 
 /// An edge that is fainter in places still parts two surfaces: the texture is grown before the region is, and the region

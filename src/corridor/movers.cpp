@@ -58,9 +58,9 @@ void Movers::findArrivals(const cv::Mat& depth_m, const cv::Mat& textured, const
     for (int column = 0; column < arrived_.cols; ++column) {
       const int u = column * stride_px;
       const bool is_seen = depth[u] <= kMostDepth_m && is_textured[u];  // NaN is not
-      const bool has_come = is_seen && earlier.wasClear(geometry_.point(u, v, depth[u]), kWindow_s);
-      arrived_.at<std::uint8_t>(row, column) =
-          has_come && !isEdge(u, above[u]) && !isEdge(u, depth[std::max(0, u - stride_px)]);
+      arrived_.at<std::uint8_t>(row, column) = is_seen && !isEdge(u, above[u]) &&
+                                               !isEdge(u, depth[std::max(0, u - stride_px)]) &&
+                                               earlier.wasClear(geometry_.point(u, v, depth[u]), kWindow_s);
     }
   }
   arrivals_.resize(cv::connectedComponents(arrived_, labels_, 4) - 1);

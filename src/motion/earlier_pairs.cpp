@@ -101,7 +101,7 @@ bool EarlierPairs::wasClear(const Eigen::Vector3d& p_C, double oldest_s) const {
   for (auto at = pairs_.views().rbegin(); at != pairs_.views().rend() && asked < kAsked; ++at) {  // the oldest first
     const Ring::View& view = *at;
     if (view.age_s > oldest_s) continue;
-    ++asked;
+    if (votes + kAsked - asked++ < kVotes) return false;
     const Eigen::Vector3d p_E = view.motion.T_K_C * p_C;
     if (!(p_E.z() > kNearest_m)) continue;
     const double error_m = kSurely * view.motion.error(p_E.z());

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-#include "flight_corridor/band_workers.hpp"
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
 #include "flight_corridor/stereo/disparity_evidence.hpp"
@@ -19,9 +18,12 @@ class ClearRays {
  public:
   explicit ClearRays(const StereoGeometry& geometry);
 
+  static constexpr int kParts = 8;  ///< Of the rows, side by side.
+
+  /// Looks at one part of the rows; all have to be looked at, in any order or at once.
   /// @param left, right CV_8UC1, masks of the images' texture, see Texture.
-  void look(const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
-            const ScaleCorrection& correction, BandWorkers& workers);
+  void look(int part, const DisparityEvidence& evidence, const cv::Mat& left, const cv::Mat& right,
+            const ScaleCorrection& correction);
 
   /// What the LiDAR's beam tells of a surface without texture: the connected textureless region in which it ends is one
   /// surface without a step, which slopes by at most 60 degrees. At an angle a from the beam it is no nearer than
