@@ -117,7 +117,7 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
   }
   {
     const Stopwatch stage(report_.times.cloud_ms);
-    correctedDepth(disparity_.best_px, scale(), geometry_, depth_m_);
+    findDepth();
   }
   {
     const Stopwatch stage(report_.times.corridor_ms);
@@ -145,6 +145,16 @@ const Report& Pipeline::refuse(std::uint32_t reasons) {
   ++counters_.frames_refused;
   report_.verdict.reasons = reasons;
   return report_;
+}
+
+void Pipeline::findDepth() {
+  constexpr int kParts = 8;
+  depth_m_.create(geometry_.size(), CV_32FC1);
+  disparity_estimator_.workers().run(kParts, [&](int part, int) {
+    const cv::Range rows(depth_m_.rows * part / kParts, depth_m_.rows * (part + 1) / kParts);
+    cv::Mat depth_m = depth_m_.rowRange(rows);
+    correctedDepth(disparity_.best_px.rowRange(rows), scale(), geometry_, depth_m);
+  });
 }
 
 void Pipeline::trackRange() {

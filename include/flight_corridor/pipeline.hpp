@@ -160,6 +160,7 @@ class Pipeline {
  private:
   std::uint32_t faults(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C) const;
   const Report& refuse(std::uint32_t reasons);
+  void findDepth();
   void trackRange();
   void rememberMatches();
   void remember();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kUnknown_px = std::numeric_limits<float>::infinity();
 constexpr auto kNoise_px = static_cast<float>(kMatchNoise_px);
-constexpr int kEndMatches = 3;  // beside a run without texture, at least
+constexpr int kEndMatches = 3;            // beside a run without texture, at least
 constexpr int kFaintEdge_px = 7;          // an edge has gaps so wide
 constexpr float kSteepest = 1.7320508f;   // tan(60 deg): slope of a surface that the LiDAR still ranges
 constexpr float kOtherSurface_px = 1.0f;  // a match that is nearer by more shows another surface
@@ -40,8 +40,8 @@ void ClearRays::look(int part, const DisparityEvidence& evidence, const cv::Mat&
   }
 }
 
-/// An edge that is fainter in places still parts two surfaces: the texture is grown before the region is, and the region
-/// grown back.
+/// An edge that is fainter in places still parts two surfaces: the texture is grown before the region is, and the
+/// region grown back.
 void ClearRays::clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
                                   const ScaleCorrection& correction, const Eigen::Vector3d& met_C) {
   const Eigen::Vector2d at_px = geometry_.project(met_C);
@@ -87,6 +87,7 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
   const float *best = evidence.best_px.ptr<float>(v), *repeated = evidence.repeated_px.ptr<float>(v);
   const std::uint8_t *competitor = evidence.competitor_nearest.ptr(v), *flags = evidence.flags.ptr(v);
   auto *left = met_left_px_.ptr<float>(v), *right = met_right_px_.ptr<float>(v);
+  const double principal_difference_px = geometry_.principalPointDifference();
   std::fill_n(right, width, -kUnknown_px);
   for (int u = 0; u < width; ++u) {
     left[u] = kUnknown_px;
@@ -95,12 +96,12 @@ void ClearRays::lookAlong(int v, const DisparityEvidence& evidence, const std::u
     if (std::isnan(match_px)) continue;
     const bool has_nearer = is_repeated && (flags[u] & kCompetitor) != 0;
     const float nearest_px = has_nearer ? std::max(match_px, static_cast<float>(competitor[u] + first_px_)) : match_px;
-    const float met_px = textured[u]
-                             ? static_cast<float>(correction.correct(nearest_px)) + kNoise_px
-                             : kUnknown_px;
+    const float met_px = textured[u] ? static_cast<float>(correction.correct(nearest_px)) + kNoise_px : kUnknown_px;
     left[u] = met_px;
-    const int u_right = static_cast<int>(std::lround(u - match_px - geometry_.principalPointDifference()));
-    if (0 <= u_right && u_right < width) right[u_right] = std::max(right[u_right], met_px);
+    const double at_right = u - match_px - principal_difference_px;
+    if (!(at_right > -0.5)) continue;
+    const int u_right = static_cast<int>(at_right + 0.5);
+    if (u_right < width) right[u_right] = std::max(right[u_right], met_px);
   }
   std::replace(right, right + width, -kUnknown_px, kUnknown_px);
 }
