@@ -17,17 +17,18 @@ def seed_range(text):
 class Replay:
     """Our pipeline with a configuration: writes result.csv."""
 
-    def __init__(self, config, overrides):
-        self.config, self.overrides = config, overrides
+    def __init__(self, config, overrides, options=()):
+        self.config, self.overrides, self.options = config, overrides, options
         self.key = self.address()
 
     def address(self):
         program = tool_digest("replay", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor")
-        return "replay_" + digest(program, self.config, *self.overrides)
+        return "replay_" + digest(program, self.config, *self.overrides, *self.options)
 
     def judge(self, bag, folder):
         overrides = [word for pair in self.overrides for word in ("--set", pair)]
-        run_tool("replay", "--bag", bag, "--csv", folder / "result.csv", "--config", self.config, *overrides)
+        run_tool("replay", "--bag", bag, "--csv", folder / "result.csv", "--config", self.config, *overrides,
+                 *self.options)
 
 
 class Yardsticks:

@@ -22,7 +22,8 @@ from tools import ROOT, ToolError
 
 CACHE = ROOT / "output" / "cache"
 # Where process ids mean the same: on one machine, until it starts anew.
-HOST = f"{socket.gethostname()}-{pathlib.Path('/proc/sys/kernel/random/boot_id').read_text(encoding='ascii')[:8]}"
+HOST = "-".join([socket.gethostname(), pathlib.Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii")[:8],
+                 os.readlink("/proc/self/ns/pid").strip("pid:[]")])
 RENEWED_S, STALE_S = 20.0, 120.0  # age of a claim; machines' clocks must agree to a minute
 POLL_S = 1.0
 ARRAY_TASKS = 1000  # of Slurm's usual MaxArraySize

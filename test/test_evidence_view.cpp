@@ -27,18 +27,21 @@ double share(const cv::Mat& evidence, Evidence kind) {
 TEST(EvidenceView, NothingBeforeTheFirstPair) {
   const Pipeline pipeline(Config(), StereoGeometry(test_support::smallCalibration()), Rig());
   EXPECT_TRUE(evidenceOf(pipeline).empty());
+  cv::Mat drawn;
+  drawEvidence(pipeline.left(), evidenceOf(pipeline), drawn);
+  EXPECT_TRUE(drawn.empty());
 }
 
 TEST(EvidenceView, AWallBehindTheCorridorIsClearAndOneInItIsMatched) {
   const StereoGeometry geometry(test_support::smallCalibration());
   const cv::Mat behind = evidenceOf(wallFrame(geometry, 3, 1.0), geometry);
   EXPECT_GT(share(behind, Evidence::Clear), 0.9);
-  EXPECT_EQ(share(behind, Evidence::Match), 0.0);
+  EXPECT_EQ(share(behind, Evidence::InBox), 0.0);
   EXPECT_EQ(behind.at<std::uint8_t>(0, 0), static_cast<std::uint8_t>(Evidence::Outside));  // above the corridor
-  EXPECT_GT(share(evidenceOf(wallFrame(geometry, 7, 1.0), geometry), Evidence::Match), 0.01);
+  EXPECT_GT(share(evidenceOf(wallFrame(geometry, 7, 1.0), geometry), Evidence::InBox), 0.01);
 }
 
-TEST(EvidenceView, WhatShowsNothingIsBareAndAHole) {
+TEST(EvidenceView, WhatShowsNothingIsTexturelessAndAHole) {
   const StereoGeometry geometry(test_support::smallCalibration());
   StereoFrame frame = wallFrame(geometry, 3, 1.0);
   frame.left = cv::Scalar(90);
@@ -46,7 +49,14 @@ TEST(EvidenceView, WhatShowsNothingIsBareAndAHole) {
   const cv::Mat evidence = evidenceOf(frame, geometry);
   EXPECT_EQ(share(evidence, Evidence::Clear), 0.0);
   EXPECT_GT(share(evidence, Evidence::Hole), 0.0);
-  EXPECT_GT(share(evidence, Evidence::Bare), 0.1);
+  EXPECT_GT(share(evidence, Evidence::Textureless), 0.1);
+}
+
+TEST(EvidenceView, WhatIsNearerThanStereoSeesIsNotUnclear) {
+  StereoCalibration calibration = test_support::smallCalibration();
+  calibration.baseline_m *= 2.0;
+  const StereoGeometry geometry(calibration);
+  EXPECT_GT(share(evidenceOf(wallFrame(geometry, 6, 1.0), geometry), Evidence::Clear), 0.9);
 }
 
 TEST(EvidenceView, WiresThatFitOnEachOtherAreDoubtful) {
@@ -55,7 +65,7 @@ TEST(EvidenceView, WiresThatFitOnEachOtherAreDoubtful) {
 }
 
 TEST(EvidenceView, EachKindHasItsOwnColour) {
-  const int kinds = static_cast<int>(Evidence::Match) + 1;
+  const int kinds = static_cast<int>(Evidence::InBox) + 1;
   cv::Mat evidence(1, kinds, CV_8UC1), drawn;
   for (int i = 0; i < kinds; ++i) evidence.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
   drawEvidence(cv::Mat(evidence.size(), CV_8UC1, 100), evidence, drawn);

@@ -18,14 +18,14 @@ namespace {
 
 using World = std::vector<sim::Primitive>;
 
-struct Place {
+struct SizedPlace {
   std::string name;
   State state;
   World world;
 };
 
 /// Before a textured wall behind the corridor's end.
-std::vector<Place> placesOfOneSize() {
+std::vector<SizedPlace> placesOfOneSize() {
   const sim::Material textured, bare = sim::plain(0.3);
   const double z_m = sim::kHeight_m;
   const auto before = [](const sim::Primitive& obstacle) { return World{test_support::masonryAt(6.0), obstacle}; };
@@ -74,7 +74,7 @@ Verdict judge(World world, double size, double image, double gain = 1.0, double 
 }
 
 TEST(PipelineScale, AWorldAndItsRigOfAnotherSizeHaveTheSameVerdict) {
-  for (const Place& place : placesOfOneSize()) {
+  for (const SizedPlace& place : placesOfOneSize()) {
     const Verdict usual = judge(place.world, 1.0, 1.0);
     EXPECT_EQ(usual.state, place.state) << place.name << ": " << describeReasons(usual.reasons);
     for (const double size : {0.5, 2.0}) {
@@ -88,14 +88,14 @@ TEST(PipelineScale, AWorldAndItsRigOfAnotherSizeHaveTheSameVerdict) {
 }
 
 TEST(PipelineScale, ImagesTwiceAsLargeHaveTheSameVerdict) {
-  for (const Place& place : placesOfOneSize()) {
+  for (const SizedPlace& place : placesOfOneSize()) {
     const Verdict verdict = judge(place.world, 1.0, 2.0);
     EXPECT_EQ(verdict.state, place.state) << place.name << ": " << describeReasons(verdict.reasons);
   }
 }
 
 TEST(PipelineScale, DarkerAndBrighterImagesHaveTheSameVerdict) {
-  for (const Place& place : placesOfOneSize()) {
+  for (const SizedPlace& place : placesOfOneSize()) {
     for (const auto& [gain, offset] : {std::pair{0.6, 0.0}, std::pair{0.7, 70.0}}) {
       const Verdict verdict = judge(place.world, 1.0, 1.0, gain, offset);
       EXPECT_EQ(verdict.state, place.state) << place.name << ", " << gain << ": " << describeReasons(verdict.reasons);

@@ -103,6 +103,32 @@ TEST(Score, TimesTheReactionToEachChangeOfTruth) {
   EXPECT_EQ(score.reactions[1].delay_s, 0.0);
 }
 
+TEST(Score, StopsAtAnyVerdictButFreeAndHoldsFromThenOn) {
+  const Score score = Recording()
+                          .add(kFreeTruth, State::Free)
+                          .add(kBlockedTruth, State::Free)
+                          .add(kBlockedTruth, State::Unknown)  // it stops after 0.1 s
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kBlockedTruth, State::Free)
+                          .add(kBlockedTruth, State::Blocked)
+                          .add(kFreeTruth, State::Free)
+                          .add(kBlockedTruth, State::Free)  // it never does
+                          .add(kFreeTruth, State::Free)
+                          .score();
+  ASSERT_EQ(score.stop_times_s.size(), 2u);
+  EXPECT_NEAR(score.stop_times_s[0], 0.1, 1e-9);
+  EXPECT_TRUE(std::isnan(score.stop_times_s[1]));
+  EXPECT_EQ(score.to_hold, 3);
+  EXPECT_EQ(score.held, 2);
+}
+
+TEST(Score, HasNoTimeToStopWithoutFreeSpaceBefore) {
+  const Score score = Recording().add(kBlockedTruth, State::Blocked).add(kBlockedTruth, State::Blocked).score();
+  EXPECT_TRUE(score.stop_times_s.empty());
+  EXPECT_EQ(score.to_hold, 1);
+  EXPECT_EQ(score.held, 1);
+}
+
 TEST(Score, SaysWhenTheVerdictNeverFollowed) {
   const Score score =
       Recording().add(kFreeTruth, State::Free).add(kBlockedTruth, State::Unknown).add(kFreeTruth, State::Free).score();

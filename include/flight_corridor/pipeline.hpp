@@ -133,7 +133,7 @@ class Pipeline {
   const cv::Mat& depth() const { return depth_m_; }
   /// The same without matches on no texture, which are chance: what maps are made from.
   const cv::Mat& texturedDepth() const;
-  /// CV_8UC1, 255: pixels that are matched behind the corridor, but fit in it as well.
+  /// CV_8UC1: pixels that are matched behind the corridor, but fit in it as well, see Doubt::image().
   cv::Mat doubtful() const { return inspector_.doubtful(); }
   /// Sighted of each pixel, CV_8UC1, in the corridor.
   cv::Mat sighted() const { return inspector_.sighted(evidence()); }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "flight_corridor/geometry/section.hpp"
 #include "flight_corridor/stereo/disparity_bits.hpp"
@@ -107,6 +108,7 @@ void Doubt::prepare(const Fan& fan, double from_m, const DisparityEvidence& evid
 
 void Doubt::prepare(Scratch& scratch) const {
   scratch.repeated.clear();
+  scratch.doubtful.clear();
   scratch.boxes.resize(directions_.size());
   for (std::size_t i = 0; i < directions_.size(); ++i) scratch.boxes[i].is_undecided = directions_[i].isUndecided();
 }
@@ -285,13 +287,16 @@ bool Doubt::holdsPatch(const Scratch::Box& box, int d, double smallest_px, Scrat
       scratch.box_bits[(run.v - first_v) * words + u / 64] |= std::uint64_t{1} << u % 64;
     }
   }
-  const auto& runs = scratch.patches.find({scratch.box_bits.data(), words, rows, words}, smallest_px);
-  if (earlier_->empty()) return !runs.empty();
   std::map<int, std::vector<cv::Point>> patches;
-  for (const BitPatches::Run& run : runs) {
+  for (const BitPatches::Run& run : scratch.patches.find({scratch.box_bits.data(), words, rows, words}, smallest_px)) {
     for (int u = run.first_u; u < run.end_u; ++u) patches[run.patch].emplace_back(u, first_v + run.v);
   }
-  return std::any_of(patches.begin(), patches.end(), [&](const auto& patch) { return !isRefuted(patch.second, d); });
+  for (auto& [index, patch] : patches) {
+    if (!earlier_->empty() && isRefuted(patch, d)) continue;
+    scratch.doubtful = std::move(patch);
+    return true;
+  }
+  return false;
 }
 
 /// Of a bracketed pixel no place is known.
@@ -316,15 +321,23 @@ bool Doubt::holdsRepeated(const Direction& direction, double smallest_m2) {
 cv::Mat Doubt::image() const {
   cv::Mat shown = cv::Mat::zeros(geometry_.size(), CV_8UC1);
   for (int d = begin_d_; d < end_d_; ++d) {
-    for (int at = 0; at < shown.size().area(); ++at) {
-      const int u = at % shown.cols;
-      if (!views_[d].contains({u, at / shown.cols})) continue;
-      if (!(bits_[begin(at / shown.cols, d) + u / 64] >> u % 64 & 1u)) continue;
-      const Pixel pixel = this->pixel(at);
-      const Eigen::Vector3f at_F = fan_.turned(0, point(pixel, corrected_px_[d] - kInside_px));
-      const bool is_bracketed = !isAlternative(pixel, d);
-      if (is_bracketed || (fan_.contains(at_F) && mayBeIn(0, pixel, d))) shown.data[at] = 255;
+    const cv::Rect& view = views_[d];
+    for (int v = view.y; v < view.br().y; ++v) {
+      const std::uint64_t* row = bits_.data() + begin(v, d);
+      for (int u = view.x; u < view.br().x; ++u) {
+        const int at = v * shown.cols + u;
+        if (!(row[u / 64] >> u % 64 & 1u) || shown.data[at]) continue;
+        const Pixel pixel = this->pixel(at);
+        const bool is_bracketed = !isAlternative(pixel, d);
+        const auto isInBox = [&] {
+          return fan_.contains(fan_.turned(0, point(pixel, corrected_px_[d] - kInside_px))) && mayBeIn(0, pixel, d);
+        };
+        if (is_bracketed || isInBox()) shown.data[at] = 128;
+      }
     }
+  }
+  for (const Scratch& scratch : scratch_) {
+    for (const cv::Point& at : scratch.doubtful) shown.at<std::uint8_t>(at) = 255;
   }
   return shown;
 }

@@ -110,18 +110,22 @@ cv::Mat Holes::image(const Absence& absence) const {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Plane& plane = planes_[i];
     const int stride = plane.stride_px;
-    for (int row = 0; row < places_[i].unclear.rows && !plane.view.empty(); ++row) {
+    if (plane.view.empty() || !places_[i].is_searched) continue;
+    for (int row = 0; row < places_[i].unclear.rows; ++row) {
       for (int column = 0; column < places_[i].unclear.cols; ++column) {
         const int u = plane.view.x + stride * column, v = plane.view.y + stride * row;
         const Eigen::Vector3f p_F = fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>();
         const bool is_in_view = places_[i].shift_px <= u;  // of both cameras
         if (!is_in_view || !fan_.contains(fan_.turned(0, p_F))) continue;
         const Sighted sighted = places_[i].unclear.at<std::uint8_t>(row, column) ? Sighted::Unclear
-                                : isUnclear(u, v, places_[i], absence)           ? Sighted::Earlier
+                                : isUnclear(u, v, places_[i], absence)           ? Sighted::ClearBefore
                                                                                  : Sighted::Clear;
-        const cv::Rect block = cv::Rect(u, v, stride, stride) & cv::Rect({0, 0}, shown.size());
-        cv::Mat pixels = shown(block);
-        pixels = cv::max(pixels, static_cast<double>(sighted));
+        for (int y = v; y < std::min(v + stride, shown.rows); ++y) {
+          auto* pixels = shown.ptr(y);
+          for (int x = u; x < std::min(u + stride, shown.cols); ++x) {
+            pixels[x] = std::max(pixels[x], static_cast<std::uint8_t>(sighted));
+          }
+        }
       }
     }
   }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -54,6 +55,22 @@ void printReaction(const Reaction& reaction) {
   }
 }
 
+/// The figures of the collision monitor's bag test in Nav2 (ROS 2): how a UAV stops and goes that flies while FREE.
+void printStops(const Score& score) {
+  std::vector<double> stops_s = score.stop_times_s;
+  stops_s.erase(std::remove_if(stops_s.begin(), stops_s.end(), [](double stop_s) { return std::isnan(stop_s); }),
+                stops_s.end());
+  const ReactionSummary resumed = summarise(score.reactions, State::Free);
+  std::printf("flying while FREE:\n");
+  if (!score.stop_times_s.empty()) {
+    std::printf("  %-26s median %.3f s, longest %.3f s, never in %zu of %zu\n", "time to stop", quantile(stops_s, 0.5),
+                quantile(stops_s, 1.0), score.stop_times_s.size() - stops_s.size(), score.stop_times_s.size());
+  }
+  printShare("stop held", score.held, score.to_hold);
+  printReactions("time to resume", resumed);
+  printShare("false stops", score.false_block + score.unknown_of_free, score.free);
+}
+
 void printTable(const Score& score) {
   std::printf("frames: %d truly blocked, %d truly free, %d borderline (not scored)\n", score.blocked, score.free,
               score.borderline);
@@ -68,6 +85,7 @@ void printTable(const Score& score) {
   printReactions("appearance to BLOCKED", summarise(score.reactions, State::Blocked));
   printReactions("disappearance to FREE", summarise(score.reactions, State::Free));
   for (const Reaction& reaction : score.reactions) printReaction(reaction);
+  printStops(score);
 }
 
 /// One line of --csv: each cell beside its column's name.

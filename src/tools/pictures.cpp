@@ -127,7 +127,10 @@ void Pictures::writeOverlay(std::size_t index, const Pipeline& pipeline, const R
 void Pictures::writeEvidence(std::size_t index, const Pipeline& pipeline, const Report& report) {
   const cv::Mat evidence = evidenceOf(pipeline);
   if (evidence.empty()) return;
-  drawEvidence(pipeline.left(), evidence, evidence_);
+  cv::Mat coloured;
+  drawEvidence(pipeline.left(), evidence, coloured);
+  drawOverlay(coloured, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,
+              evidence_);
   addLegend(evidence_);
   const std::string name = numbered(index) + "_" + toString(report.verdict.state) + ".png";
   writeImage(fs::path(options_.evidence_folder) / name, evidence_);

@@ -14,7 +14,7 @@ namespace flight_corridor::tools {
 struct PictureOptions {
   std::string overlay_folder;   ///< NNNNNN_STATE.png at each change of verdict: overlay, matched depth (white: texture
                                 ///< that lacks a match), filled depth, map.
-  std::string evidence_folder;  ///< The same, of the evidence in colours: drawEvidence().
+  std::string evidence_folder;  ///< The same, of the evidence in colours below the overlay: drawEvidence().
   int every = 0;                ///< ... and at every so many frames; 0: changes only.
   std::string depth_folder;     ///< matched/NNNNNN.png and filled/NNNNNN.png: corrected depth, uint16 mm, 0 = nothing.
   std::string video;            ///< AVI (motion JPEG): overlay, depth, the map from above, and the verdicts so far.

@@ -45,8 +45,12 @@ class ReactionClock {
     if (truth != State::Unknown && truth != truth_) {
       waiting_ = truth_ != State::Unknown;
       if (waiting_) score.reactions.push_back({result.stamp, truth, kNaN, 0});
+      has_stopped_ = false;
+      times_stop_ = waiting_ && truth == State::Blocked;
+      if (times_stop_) score.stop_times_s.push_back(kNaN);
       truth_ = truth;
     }
+    if (truth == State::Blocked) addStop(result, score);
     if (!waiting_) return;
     Reaction& reaction = score.reactions.back();
     if (result.state == truth_) {
@@ -58,8 +62,21 @@ class ReactionClock {
   }
 
  private:
+  /// A UAV that flies while the verdict is FREE stops, and stays.
+  void addStop(const ResultRow& result, Score& score) {
+    const bool stops = result.state != State::Free;
+    if (has_stopped_) {
+      ++score.to_hold;
+      score.held += stops;
+    } else if (stops) {
+      has_stopped_ = true;
+      if (times_stop_) score.stop_times_s.back() = (result.stamp - score.reactions.back().stamp).toSec();
+    }
+  }
+
   State truth_ = State::Unknown;
   bool waiting_ = false;
+  bool has_stopped_ = false, times_stop_ = false;  // since truth became Blocked; if that was a change
 };
 
 double squaresBetweenThirds(const std::vector<double>& samples_m, double mean_m) {

@@ -26,6 +26,9 @@ struct Score {
   std::vector<double> distance_errors_m;  ///< |clear distance - truth| where both say BLOCKED at a distance.
   std::vector<double> frame_times_ms;     ///< Time of each answer.
   std::vector<Reaction> reactions;
+  std::vector<double> stop_times_s;  ///< From the first blocked frame after a free one to a verdict other than FREE;
+                                     ///< NaN: there was none.
+  int to_hold = 0, held = 0;         ///< Blocked frames after such a verdict; those of them not called FREE.
 };
 
 /// Adds one recording.

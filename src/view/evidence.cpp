@@ -18,7 +18,7 @@ struct Colour {
 
 const std::array<Colour, 8> kColours{{{"outside", {}},
                                       {"clear", {115, 158, 0}},
-                                      {"seen earlier", {178, 114, 0}},
+                                      {"clear before", {178, 114, 0}},
                                       {"no match", {0, 0, 0}},
                                       {"no texture", {66, 228, 240}},
                                       {"doubtful", {167, 121, 204}},
@@ -29,10 +29,10 @@ Evidence evidenceOf(Sighted sighted, bool is_textured) {
   switch (sighted) {
     case Sighted::Clear:
       return Evidence::Clear;
-    case Sighted::Earlier:
-      return Evidence::Remembered;
+    case Sighted::ClearBefore:
+      return Evidence::ClearBefore;
     case Sighted::Unclear:
-      return is_textured ? Evidence::Unmatched : Evidence::Bare;
+      return is_textured ? Evidence::Unmatched : Evidence::Textureless;
     case Sighted::Nowhere:
       break;
   }
@@ -52,9 +52,9 @@ cv::Mat evidenceOf(const Pipeline& pipeline) {
     for (int u = 0; u < evidence.cols; ++u) {
       Evidence here = evidenceOf(static_cast<Sighted>(sighted.at<std::uint8_t>(v, u)),
                                  pipeline.textured().at<std::uint8_t>(v, u) != 0);
-      if (doubtful.at<std::uint8_t>(v, u)) here = Evidence::Doubtful;
+      if (doubtful.at<std::uint8_t>(v, u) == 255) here = Evidence::Doubtful;
       if (hole.contains({u, v})) here = Evidence::Hole;
-      if (contains(box_C, geometry.point(u, v, depth_m.at<float>(v, u)))) here = Evidence::Match;
+      if (contains(box_C, geometry.point(u, v, depth_m.at<float>(v, u)))) here = Evidence::InBox;
       evidence.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(here);
     }
   }
@@ -63,6 +63,7 @@ cv::Mat evidenceOf(const Pipeline& pipeline) {
 
 void drawEvidence(const cv::Mat& left, const cv::Mat& evidence, cv::Mat& out) {
   constexpr double kOpacity = 0.55;
+  if (evidence.empty()) return out.release();
   toColour(left, out);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {

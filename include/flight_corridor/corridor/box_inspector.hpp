@@ -50,7 +50,7 @@ class BoxInspector {
   const std::vector<BoxEvidence>& inspect(const Fan& fan, const PairEvidence& pair, const CorridorConfig& config,
                                           const std::vector<double>& lidar_px, BandWorkers& workers);
 
-  /// CV_8UC1, 255: pixels that are matched behind the first direction's box, but fit in it as well.
+  /// CV_8UC1: pixels that are matched behind the first direction's box, but fit in it as well, see Doubt::image().
   cv::Mat doubtful() const { return doubt_.image(); }
   /// Sighted of each pixel, CV_8UC1, in the first direction's box.  @param pair as of the last inspect().
   cv::Mat sighted(const PairEvidence& pair) const { return holes_.image(absenceOf(pair)); }

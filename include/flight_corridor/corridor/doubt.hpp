@@ -41,7 +41,7 @@ class Doubt {
 
   /// Whether there was any in a direction's box.
   bool isIn(int direction) const { return directions_[direction].is_doubtful; }
-  /// CV_8UC1, 255: pixels that may be in the box, of a fan of one.
+  /// CV_8UC1: pixels that may be in the box, of a fan of one. 255: they are of a patch that is doubt; 128: they are not.
   cv::Mat image() const;
 
  private:
@@ -75,6 +75,7 @@ class Doubt {
     };
     std::vector<Box> boxes;               // a direction
     std::vector<std::uint64_t> box_bits;  // of one of them
+    std::vector<cv::Point> doubtful;      // pixels of the last patch that is doubt
     BitPatches patches;
   };
 

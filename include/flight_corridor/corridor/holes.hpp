@@ -37,8 +37,9 @@ constexpr double kEndShare = 0.25;  ///< Of a box's length: its end.
 /// obstacle.
 constexpr double kHole = 1.6;
 
-/// What is known of a pixel's ray through a box: the least of all its depths.
-enum class Sighted : std::uint8_t { Nowhere, Clear, Earlier, Unclear };  ///< Earlier: earlier pairs saw it clear.
+/// What is known of a pixel's ray through a box, the least of all its depths: clear, clear in earlier pairs, not clear.
+/// Nowhere: it does not meet the box where both cameras see it.
+enum class Sighted : std::uint8_t { Nowhere, Clear, ClearBefore, Unclear };
 
 /// What shows that space is clear; views.
 struct Absence {

@@ -38,7 +38,8 @@ class EarlierPairs {
   /// are as long as hasVanished() is asked.
   /// @param textured CV_8UC1: where they are no chance.
   void look(const DisparityEvidence& matches, const cv::Mat& textured);
-  /// Whether a surface that was seen at a pixel of the newest pair is seen no more. The first call compares.
+  /// Whether a surface that was seen at a pixel of the newest pair is seen no more. The first call compares: not from
+  /// two threads.
   bool hasVanished(int u, int v) const {
     if (vanished_.empty()) findVanished();
     return vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
