@@ -336,8 +336,20 @@ cv::Mat Doubt::image() const {
       }
     }
   }
+  bool is_of_patch = false;
   for (const Scratch& scratch : scratch_) {
+    is_of_patch |= !scratch.doubtful.empty();
     for (const cv::Point& at : scratch.doubtful) shown.at<std::uint8_t>(at) = 255;
+  }
+  const Direction& first = directions_.front();
+  if (!first.is_doubtful || is_of_patch) return shown;
+  const auto& repeated_m2 = first.repeated_m2;  // of the surface that shows most
+  const auto most = std::max_element(repeated_m2.begin(), repeated_m2.end()) - repeated_m2.begin();
+  for (int at = 0; at < shown.size().area(); ++at) {
+    const Pixel pixel = this->pixel(at);
+    const auto d = std::lower_bound(corrected_px_.begin(), corrected_px_.end() - 1, pixel.match_px);
+    const bool is_of_it = std::abs(d - corrected_px_.begin() - most) <= 1 && pixel.is_repeated;
+    if (is_of_it && shown.data[at] == 128) shown.data[at] = 255;
   }
   return shown;
 }
