@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "opencl.hpp"
-#include "stereo/opencl/kernels.hpp"
+#include "opencl/kernels.hpp"
 #include "support/matcher_cases.hpp"
 
 namespace {

@@ -68,12 +68,13 @@ void confirmRepeated(double lidar_px, const ScaleCorrection& correction, Dispari
 
 }  // namespace
 
-Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig)
+Pipeline::Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig,
+                   const DeviceMatcherFactory& make_device_matcher)
     : config_(valid(config)),
       geometry_(geometry),
       rig_(rig),
       covered_(coveredPixels(rig.own_parts, geometry.size())),
-      disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m),
+      disparity_estimator_(config.stereo, geometry, config.corridor.smallest_obstacle_m, make_device_matcher),
       range_tracker_(config.lidar, config.fusion, config.scale, geometry, rig.T_C_L),
       map_(config.map, geometry, disparity_estimator_.nearestDepth()),
       rays_(geometry),

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "flight_corridor/stereo/disparity_estimator.hpp"
+#include "opencl/opencl_matcher.hpp"
 #include "support/calibrations.hpp"
 #include "support/matcher_cases.hpp"
 
@@ -100,7 +101,7 @@ TEST_F(OpenClMatcherTest, APairOfAnotherSizeIsRefused) {
 TEST_F(OpenClMatcherTest, ADeviceThatMatchesASampleAsTheCpuDoesIsTaken) {
   StereoConfig config;
   config.device = "gpu";
-  EXPECT_NO_THROW(requireDevice(config));
+  EXPECT_NO_THROW(requireDevice(config, makeOpenClMatcher));
   const DisparityEstimator estimator(config, test_support::kSmallGeometry, 0.1);
   EXPECT_EQ(estimator.device().failure, "");
   EXPECT_NE(estimator.device().name, "CPU");

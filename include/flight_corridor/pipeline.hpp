@@ -56,9 +56,11 @@ struct Counters : RangeCounts {
 /// Stereo pairs and LiDAR ranges in, corridor verdicts out. One object, one caller at a time; in flight nothing throws.
 class Pipeline {
  public:
+  /// @param make_device_matcher of stereo/device "gpu" or "auto"; empty: all pairs are matched on the CPU.
   /// @throws std::invalid_argument with every broken rule of the config or the rig, if stereo sees nothing before the
   /// corridor's last quarter, or if the mask of own parts does not fit.
-  Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig);
+  Pipeline(const Config& config, const StereoGeometry& geometry, const Rig& rig,
+           const DeviceMatcherFactory& make_device_matcher = {});
 
   /// A LiDAR reading, at its own stamp; may come late (fusion/buffer_s). It counts from the first pair that is not
   /// before it.

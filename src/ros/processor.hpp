@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "flight_corridor/pipeline.hpp"
+#include "opencl/opencl_matcher.hpp"
 #include "ros/conversions.hpp"
 #include "ros/imu.hpp"
 #include "ros/inbox.hpp"
@@ -36,7 +37,7 @@ class Processor {
         rig_(config.core, readOwnParts(config.mask, config.ros.scale), transforms, config.ros.tf_timeout_s, up_),
         accelerometer_(config.ros.gravity_frame, transforms),
         empty_map_(config.core.map.resolution_m) {
-    flight_corridor::requireDevice(config.core.stereo);
+    flight_corridor::requireDevice(config.core.stereo, flight_corridor::makeOpenClMatcher);
   }
 
   /// The verdict for one pair; a stamp more than a second before the newest pair's restarts everything; a smaller step

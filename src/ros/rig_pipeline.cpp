@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "opencl/opencl_matcher.hpp"
 #include "ros/conversions.hpp"
 
 namespace flight_corridor_ros {
@@ -62,7 +63,8 @@ std::uint32_t RigPipeline::fit(const std_msgs::Header& camera, const sensor_msgs
 }
 
 void RigPipeline::make(const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_F) {
-  auto pipeline = std::make_unique<Pipeline>(config_, geometry, flight_corridor::Rig{T_C_L_, T_C_F, own_parts_});
+  auto pipeline = std::make_unique<Pipeline>(config_, geometry, flight_corridor::Rig{T_C_L_, T_C_F, own_parts_},
+                                             flight_corridor::makeOpenClMatcher);
   if (pipeline_) pipeline->takeOver(*pipeline_);
   pipeline_ = std::move(pipeline);
   const StereoCalibration& calibration = geometry.calibration();

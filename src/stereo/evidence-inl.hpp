@@ -143,8 +143,8 @@ HWY_NOINLINE void moveWindow(RowMatcher& m, int v, int first_u, int end_u, Curve
   sum = window;
 }
 
-/// Competitors lie beyond the first barrier on either side of the winner, in the right camera's view. A winner is
-/// distinct if at least half of the disparities whose whole window the right camera sees are clearly worse.
+/// Consistent pixels' matches. Competitors lie beyond the first barrier on either side of the winner, in the right
+/// camera's view. A winner is distinct if at least half of the disparities whose whole window the right camera sees are clearly worse.
 /// @param costs the windows', of a block.
 template <int kVectors>
 HWY_NOINLINE void judge(RowMatcher& m, int v, int first_u, int end_u, const std::uint8_t* costs, std::uint8_t* farthest,
@@ -157,6 +157,7 @@ HWY_NOINLINE void judge(RowMatcher& m, int v, int first_u, int end_u, const std:
   const std::uint64_t *seen = &m.seen[first_u * kWords], *whole = &m.whole[first_u * kWords];
   const int last = m.size.num_disparities - 1;
   for (int u = first_u; u < end_u; ++u, costs += kStored, seen += kWords, whole += kWords) {
+    if (!(flags[u] & kConsistent)) continue;
     const int winner = winners[u];
     const std::uint8_t best =
         std::min({costs[std::max(winner - 1, 0)], costs[winner], costs[std::min(winner + 1, last)]});
@@ -179,7 +180,6 @@ HWY_NOINLINE void judge(RowMatcher& m, int v, int first_u, int end_u, const std:
     const bool sees = whole[winner / 64] >> winner % 64 & 1u;
     if (!sees || 2 * worse < all) continue;
     flags[u] |= kDistinct;
-    if (!(flags[u] & kConsistent)) continue;
     if (lastBit(good, kWords) < winner + 2 && firstBit(good, kWords) > winner - 2) continue;  // no room for a barrier
     const int upper = firstBitFrom(barrier, kWords, winner + 1), lower = lastBitTo(barrier, kWords, winner - 1);
     for (int k = 0; k < kWords; ++k) good[k] = bitsFrom(good[k], k, upper) | bitsTo(good[k], k, lower);

@@ -33,8 +33,6 @@ HWY_INLINE hn::Vec<Sums> sumsOfLanes(hn::Vec<Sums> a, hn::Vec<Sums> b, hn::Vec<S
   return hn::Add(hn::BitCast(sums, first), hn::BitCast(sums, second));
 }
 
-constexpr std::uint8_t kMatched = kConsistent | kDistinct;
-
 /// g, e, gg, ge of the matched pixels of a row.
 HWY_NOINLINE void windowMoments(RowMatcher& m, int v) {
   const Window words;
@@ -45,7 +43,7 @@ HWY_NOINLINE void windowMoments(RowMatcher& m, int v) {
   };
   const RowMatcher::Found& found = m.found[v & 1];
   for (int u = 0; u < m.size.width_px; ++u) {
-    if ((found.flags[u] & kMatched) != kMatched) continue;
+    if (!(found.flags[u] & kDistinct)) continue;
     const int at = u - kWindowReach_px, at_right = at - found.winner[u] - m.size.min_disparity_px;
     auto g_words = hn::Zero(words), e_words = g_words;  // at most 3 x 1020: no sum of three rows overflows
     hn::Vec<Sums> gg = hn::Zero(sums), ge = gg, gg_odd = gg, ge_odd = gg;
@@ -116,8 +114,7 @@ void fit(RowMatcher& m, int v, std::int16_t* fixed) {
     const LongVector offset = hn::IfThenElse(hn::Lt(hn::Abs(num), den), mean, p);
     const LongVector index = hn::Add(times(loadBytes(&found.winner[u]), kSubpixels),
                                      hn::IfThenElseZero(hn::Gt(rise, hn::Zero(longs)), offset));
-    const auto matched =
-        hn::Eq(hn::And(loadBytes(&found.flags[u]), hn::Set(longs, kMatched)), hn::Set(longs, kMatched));
+    const auto matched = hn::Ne(hn::And(loadBytes(&found.flags[u]), hn::Set(longs, kDistinct)), hn::Zero(longs));
     const hn::Rebind<std::int16_t, Longs> words;
     hn::StoreU(hn::DemoteTo(words, hn::IfThenElse(matched, index, hn::Set(longs, kNoSubpixel))), words, fixed + u);
   }

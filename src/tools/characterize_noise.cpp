@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "tools/command_line.hpp"
+#include "tools/programs.hpp"
 #include "tools/progress.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
@@ -76,8 +77,8 @@ void characterizeNoise(const ReplayInput& input, std::size_t wanted) {
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
+int flight_corridor::programs::characterize_noise(int argc, char** argv) {
+  using namespace tools;
   ReplayInput input;
   std::size_t samples = 150;
   CLI::App app("Measures the noise of both ranges from a bag in which nothing moves.", "characterize_noise");
@@ -89,5 +90,5 @@ int main(int argc, char** argv) {
       "Prints the sample variances (n - 1) of the LiDAR's range d_L and the stereo range D_c as YAML for the\n"
       "configuration, with scale correction switched off; refuses recordings that moved. stereo_variance_m2 adds to "
       "what\ndisparity_sigma_px gives.");
-  return runTool(app, argc, argv, [&] { characterizeNoise(input, samples); });
+  return runTool(app, argc, argv, [&] { tools::characterizeNoise(input, samples); });
 }

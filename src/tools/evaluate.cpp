@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "tools/command_line.hpp"
+#include "tools/programs.hpp"
 #include "tools/score.hpp"
 
 namespace flight_corridor::tools {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   std::vector<std::string> results, truths;
   bool csv = false, fail_on_false_free = false;
 };
@@ -144,7 +145,7 @@ void printCsv(const Score& score) {
   line.print();
 }
 
-void evaluate(const Options& options) {
+void evaluate(const EvaluateOptions& options) {
   const Score score = scoreRecordings(options.results, options.truths);
   options.csv ? printCsv(score) : printTable(score);
   const std::string complaint = falseFreeComplaint(score);
@@ -154,9 +155,9 @@ void evaluate(const Options& options) {
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
-  Options options;
+int flight_corridor::programs::evaluate(int argc, char** argv) {
+  using namespace tools;
+  EvaluateOptions options;
   CLI::App app("Scores corridor verdicts against truth.", "evaluate");
   app.add_option("--result", options.results, "verdicts, as replay writes them")
       ->type_name("R.csv")
@@ -175,5 +176,5 @@ int main(int argc, char** argv) {
       "Between the two: borderline, not scored. Several --result --truth pairs are scored together.\n"
       "simulate's truth is that of the default box, 1.2 m x 0.4 m x 4 m from the camera along its axis: verdicts\n"
       "on another box do not belong to it.");
-  return runTool(app, argc, argv, [&] { evaluate(options); });
+  return runTool(app, argc, argv, [&] { tools::evaluate(options); });
 }

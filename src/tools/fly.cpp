@@ -11,6 +11,7 @@
 #include "sim/worlds.hpp"
 #include "tools/command_line.hpp"
 #include "tools/fly_pictures.hpp"
+#include "tools/programs.hpp"
 #include "tools/replayer.hpp"
 
 namespace flight_corridor::tools {
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double kWaySpare_m = 0.3;  // a way exists where the corridor is so much narrower and lower
 
-struct Options {
+struct FlyOptions {
   std::string world, table, rule = "corridor", lidar_fault = "none", config, video, pictures;
   std::uint64_t seed = 0;
   sim::ClosedLoopOptions loop;
@@ -48,7 +49,7 @@ std::string describe(const sim::Primitive& hit) {
                     at_W.y(), at_W.z());
 }
 
-void writeRow(const Options& options, const sim::Flown& flown, bool way_exists) {
+void writeRow(const FlyOptions& options, const sim::Flown& flown, bool way_exists) {
   std::ofstream file(options.table);
   file << "world,seed,rule,outcome,way_exists,time_s,distance_m,mean_speed_mps,top_speed_mps,waited_s,stops,nearest_m,"
           "hit,stamp,image_scale,lidar_fault,baseline_error,hit_speed_mps,out_of_view_s,fault\n"
@@ -62,7 +63,7 @@ void writeRow(const Options& options, const sim::Flown& flown, bool way_exists) 
   if (!file.flush()) throw std::runtime_error(options.table + ": cannot be written");
 }
 
-void fly(Options options) {
+void fly(FlyOptions options) {
   cv::setNumThreads(options.threads);
   const sim::World world = sim::makeWorld(options.world, options.seed);
   const flight_corridor_ros::NodeConfig node_config = readConfig(options.config, options.overrides);
@@ -98,9 +99,9 @@ void fly(Options options) {
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
-  Options options;
+int flight_corridor::programs::fly(int argc, char** argv) {
+  using namespace tools;
+  FlyOptions options;
   CLI::App app("Flies a simulated quadrotor through a world, by what its stereo rig and LiDAR see.", "fly");
   app.add_option("--world", options.world, "world to fly through, see --list")->type_name("NAME")->required();
   app.add_option("--csv", options.table, "table to write: one line, how the flight went")
@@ -143,7 +144,7 @@ int main(int argc, char** argv) {
       ->type_name("N")
       ->check(wholeNumber(1, std::numeric_limits<int>::max()));
   app.add_flag_callback(
-      "--list", [] { answer(flight_corridor::sim::worldNames()); }, "print the names of the worlds");
+      "--list", [] { answer(sim::worldNames()); }, "print the names of the worlds");
   app.footer("The same options give the same flight.");
-  return runTool(app, argc, argv, [&] { fly(options); });
+  return runTool(app, argc, argv, [&] { tools::fly(options); });
 }

@@ -3,6 +3,7 @@
 #include "tools/calibration_file.hpp"
 #include "tools/command_line.hpp"
 #include "tools/folder.hpp"
+#include "tools/programs.hpp"
 #include "tools/progress.hpp"
 
 namespace flight_corridor::tools {
@@ -20,8 +21,8 @@ void importFolder(const std::string& folder, const FolderReading& reading, const
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
+int flight_corridor::programs::import_folder(int argc, char** argv) {
+  using namespace tools;
   FolderReading reading;
   std::string folder, bag;
   CLI::App app("Writes a folder of stereo images as a bag of rectified ones.", "import_folder");
@@ -54,5 +55,5 @@ int main(int argc, char** argv) {
       "Optional: timestamps.csv (stamp_s), range.csv (stamp_s,range_m), along the left camera's optical axis,\n"
       "poses.csv (stamp_s,tx,ty,tz,qx,qy,qz,qw), rectified left camera to world.\n"
       "A recording that starts before 1 s is moved by 1 s: ROS reads stamp 0 as \"no time\".");
-  return runTool(app, argc, argv, [&] { importFolder(folder, reading, bag); });
+  return runTool(app, argc, argv, [&] { tools::importFolder(folder, reading, bag); });
 }

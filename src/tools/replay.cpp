@@ -24,6 +24,7 @@
 #include "tools/map_file.hpp"
 #include "tools/new_bag.hpp"
 #include "tools/pictures.hpp"
+#include "tools/programs.hpp"
 #include "tools/progress.hpp"
 #include "tools/replayer.hpp"
 #include "tools/score.hpp"
@@ -198,8 +199,8 @@ void replay(const ReplayInput& input, Outputs outputs) {
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
+int flight_corridor::programs::replay(int argc, char** argv) {
+  using namespace tools;
   ReplayInput input;
   Outputs outputs;
   bool lists = false;
@@ -249,5 +250,5 @@ int main(int argc, char** argv) {
       "it is the only one. --calib takes\n" +
       calibrationKinds());
   flight_corridor_ros::keepFreedMemory();
-  return runTool(app, argc, argv, [&] { lists ? list(input) : replay(input, outputs); });
+  return runTool(app, argc, argv, [&] { lists ? tools::list(input) : tools::replay(input, outputs); });
 }

@@ -8,6 +8,7 @@
 #include "sim/simulation.hpp"
 #include "tools/command_line.hpp"
 #include "tools/csv.hpp"
+#include "tools/programs.hpp"
 #include "tools/progress.hpp"
 #include "tools/stereo_bag_writer.hpp"
 
@@ -88,9 +89,9 @@ void simulate(const sim::SimulationOptions& options, const std::string& bag_path
 }  // namespace
 }  // namespace flight_corridor::tools
 
-int main(int argc, char** argv) {
-  using namespace flight_corridor::tools;
-  flight_corridor::sim::SimulationOptions options;
+int flight_corridor::programs::simulate(int argc, char** argv) {
+  using namespace tools;
+  sim::SimulationOptions options;
   std::string bag, truth;
   CLI::App app("Simulates a flight of the stereo rig and its LiDAR, with exact truth.", "simulate");
   app.add_option("--scene", options.scene, "scene to fly through, see --list")->type_name("NAME")->required();
@@ -129,8 +130,8 @@ int main(int argc, char** argv) {
       "(FREE has no evidence), too_near (for stereo) or hidden (no sensor\n"
       "can see it)");
   app.add_flag_callback(
-      "--list-lidar-faults", [] { answer(flight_corridor::sim::lidarFaultNames()); },
+      "--list-lidar-faults", [] { answer(sim::lidarFaultNames()); },
       "print the names of the LiDAR's faults");
   app.footer("The same options give the same flight.");
-  return runTool(app, argc, argv, [&] { simulate(options, bag, truth); });
+  return runTool(app, argc, argv, [&] { tools::simulate(options, bag, truth); });
 }

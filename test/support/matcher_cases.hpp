@@ -100,11 +100,11 @@ inline Answers matchedSlowly(const Pair& pair, const MatcherSize& size, int band
     for (int u = 0; u < size.width_px; ++u, ++at) {
       const oracle::Minimum minimum = oracle::minimumAt(sums, u, v);
       const int d = minimum.winner;
-      const bool distinct = oracle::isDistinct(costs, u, v, d), is_match = distinct && minimum.flags & kConsistent;
+      const bool is_match = minimum.flags & kConsistent && oracle::isDistinct(costs, u, v, d);
       const std::vector<int> competitors = is_match ? oracle::competitorsAt(costs, u, v, d) : std::vector<int>();
       const bool repeated = !competitors.empty() && competitors.front() < d;
       answers.flags[at] = static_cast<std::uint8_t>(minimum.flags | (competitors.empty() ? 0 : kCompetitor) |
-                                                    (repeated ? kRepeated : 0) | (distinct ? kDistinct : 0));
+                                                    (repeated ? kRepeated : 0) | (is_match ? kDistinct : 0));
       answers.competitor_farthest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.front());
       answers.competitor_nearest[at] = static_cast<std::uint8_t>(competitors.empty() ? 0 : competitors.back());
       for (std::size_t i = 0; i < minimum.set.size(); ++i) {

@@ -23,11 +23,8 @@ class DeviceMatcher {
   virtual void match(const GreyImage& left, const GreyImage& right, const MatchPlanes& out) = 0;
 };
 
-/// Makes one: null without a device.
+/// Makes one: null without a device. Empty: there is no way to one.
 /// @throws DeviceError if there is one that cannot be used.
 using DeviceMatcherFactory = std::function<std::unique_ptr<DeviceMatcher>(const MatcherSize&)>;
-
-/// By OpenCL, on a GPU or the device that OPENCV_OPENCL_DEVICE names.
-std::unique_ptr<DeviceMatcher> makeOpenClMatcher(const MatcherSize& size);
 
 }  // namespace flight_corridor

@@ -24,7 +24,7 @@ Violations check(const StereoConfig& config);
 
 /// Throws unless device is "cpu" or "auto", or a DisparityEstimator of small images takes the GPU.
 /// @throws std::invalid_argument naming what is missing.
-void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
+void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_device_matcher);
 
 /// The device that matches pairs.
 struct MatchingDevice {
@@ -43,10 +43,10 @@ struct Disparity : DisparityEvidence {
 class DisparityEstimator {
  public:
   /// @param smallest_obstacle_m smaller patches of matches are removed, see Patches.
-  /// @param make_device_matcher of config.device "gpu" or "auto".
+  /// @param make_device_matcher of config.device "gpu" or "auto"; empty: all pairs are matched on the CPU.
   /// @throws std::invalid_argument with every broken rule, or if the image is too narrow for the search.
   DisparityEstimator(const StereoConfig& config, const StereoGeometry& geometry, double smallest_obstacle_m,
-                     const DeviceMatcherFactory& make_device_matcher = makeOpenClMatcher);
+                     const DeviceMatcherFactory& make_device_matcher = {});
 
   void setSmallestObstacle(double edge_m) { patches_.setSmallestObstacle(edge_m); }
 

@@ -31,14 +31,14 @@ struct MatcherSize {
 enum MatchFlag : std::uint8_t {
   kConsistent = 1u << 0,  ///< The right view's best match is the same, within kConsistent_px.
   kCompetitor = 1u << 1,  ///< Of a match: another disparity, a barrier away, fits a small window as well.
-  kDistinct = 1u << 2,    ///< Half of all disparities have clearly higher costs in its own window.
+  kDistinct = 1u << 2,    ///< Consistent, and half of all disparities have clearly higher costs in its window.
   kRepeated = 1u << 3,    ///< Such a competitor lies farther away.
 };
 
 /// Output of a matcher: planes of width x height without gaps between the rows. Indices of disparities are those of the
 /// bits: u_l - u_r less min_disparity_px.
 struct MatchPlanes {
-  float* best;      ///< Sub-pixel match [px], offset_px removed, of pixels with kConsistent and kDistinct; else NaN.
+  float* best;      ///< Sub-pixel match [px], offset_px removed, of pixels with kDistinct; else NaN.
   float* repeated;  ///< Such a match with kRepeated, instead of in best.
   std::uint8_t *competitor_farthest, *competitor_nearest;  ///< Indices, where flags has kCompetitor.
   std::uint8_t* flags;                                     ///< Bits of MatchFlag.

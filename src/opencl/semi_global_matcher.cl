@@ -6,7 +6,6 @@
 #define STRIDE (DISPARITIES + 4)        // of a tile's pixels in local memory: no two of them in one bank
 #define WORDS ((DISPARITIES + 63) / 64)
 #define REACH kWindowReach_px
-#define MATCHED (kConsistent | kDistinct)
 
 int greyAt(__global const uchar* image, int u, int v) {
   return image[clamp(v, 0, HEIGHT - 1) * WIDTH + clamp(u, 0, WIDTH - 1)];
@@ -191,29 +190,26 @@ void judge(__global const ushort* left_codes, __global const ushort* right_codes
     const int right_most = min(u + REACH, WIDTH - 1), left_most = max(u - REACH, 0);
     const int first_whole = max(0, right_most - (WIDTH - 1) - MIN_DISPARITY);
     const int last_whole = min(last, left_most - MIN_DISPARITY);
+    farthest[at] = nearest[at] = 0;
+    if (!(flags[at] & kConsistent)) continue;
     int worse = 0;
     for (int d = first_whole; d <= last_whole; ++d) worse += costs[d] >= best + kClearlyWorse;
-    farthest[at] = nearest[at] = 0;
     if (winner < first_whole || winner > last_whole || 2 * worse < last_whole - first_whole + 1) continue;
-    uchar found = flags[at] | kDistinct;
-    if (found & kConsistent) {
-      int upper = winner + 1, lower = winner - 1;  // the first barriers on either side
-      while (upper <= last && costs[upper] < best + kBarrier) ++upper;
-      while (lower >= 0 && costs[lower] < best + kBarrier) --lower;
-      const int first_seen = max(0, u - (WIDTH - 1) - MIN_DISPARITY), last_seen = min(last, u - MIN_DISPARITY);
-      int first = DISPARITIES, end = -1;
-      for (int d = first_seen; d <= last_seen; ++d) {
-        if ((lower < d && d < upper) || costs[d] > best + kAsGood) continue;
-        first = min(first, d);
-        end = d;
-      }
-      if (end >= 0) {
-        found |= first < winner ? kCompetitor | kRepeated : kCompetitor;
-        farthest[at] = (uchar)first;
-        nearest[at] = (uchar)end;
-      }
+    flags[at] |= kDistinct;
+    int upper = winner + 1, lower = winner - 1;  // the first barriers on either side
+    while (upper <= last && costs[upper] < best + kBarrier) ++upper;
+    while (lower >= 0 && costs[lower] < best + kBarrier) --lower;
+    const int first_seen = max(0, u - (WIDTH - 1) - MIN_DISPARITY), last_seen = min(last, u - MIN_DISPARITY);
+    int first = DISPARITIES, end = -1;
+    for (int d = first_seen; d <= last_seen; ++d) {
+      if ((lower < d && d < upper) || costs[d] > best + kAsGood) continue;
+      first = min(first, d);
+      end = d;
     }
-    flags[at] = found;
+    if (end < 0) continue;
+    flags[at] |= first < winner ? kCompetitor | kRepeated : kCompetitor;
+    farthest[at] = (uchar)first;
+    nearest[at] = (uchar)end;
   }
 }
 
@@ -229,7 +225,7 @@ __kernel void fit(__global const uchar* left, __global const uchar* right, __glo
   const int u = get_global_id(0), v = get_global_id(1), at = v * WIDTH + u;
   if (u >= WIDTH || v >= HEIGHT) return;
   fixed[at] = kNoSubpixel;
-  if ((flags[at] & MATCHED) != MATCHED) return;
+  if (!(flags[at] & kDistinct)) return;
   int g = 0, e = 0, gg = 0, ge = 0;
   const int shift_px = winners[at] + MIN_DISPARITY, pixels = 3 * (2 * REACH + 1);
   for (int y = v - 1; y <= v + 1; ++y) {

@@ -4,16 +4,18 @@
 
 #include "ros/memory.hpp"
 #include "ros/node.hpp"
+#include "ros/programs.hpp"
 
-int main(int argc, char** argv) {
-  flight_corridor_ros::keepFreedMemory();
+int flight_corridor_ros::programs::corridor_node(int argc, char** argv) {
+  keepFreedMemory();
   ros::init(argc, argv, "flight_corridor");
   const ros::NodeHandle node;  // outlives the try: without a node nothing is logged
   try {
-    const flight_corridor_ros::Node corridor(node, ros::NodeHandle("~"));
+    const Node corridor(node, ros::NodeHandle("~"));
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     return 1;
   }
+  return 0;
 }

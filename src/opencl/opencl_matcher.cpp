@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/stereo/device_matcher.hpp"
-#include "stereo/opencl/kernel_source.hpp"
-#include "stereo/opencl/kernels.hpp"
+#include "opencl/opencl_matcher.hpp"
+#include "opencl/kernel_source.hpp"
+#include "opencl/kernels.hpp"
 
 namespace flight_corridor {
 
