@@ -72,9 +72,26 @@ void expectEqual(const EvidenceTree& tree, const Cells& cells) {
 
 class AnEvidenceTree : public ::testing::Test {
  protected:
-  AnEvidenceTree() {
-    tree_.setClampingThresMin(octomap::probability(-2.0));
-    tree_.setClampingThresMax(octomap::probability(3.5));
+  static MapConfig config() {
+    MapConfig config;
+    config.log_odds_min = -2.0;
+    config.log_odds_max = 3.5;
+    return config;
+  }
+
+  /// Evidence for a cube of cells that is no larger than a block.
+  void add(const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
+    EvidenceTree::Block<float> block{};
+    const unsigned edge = 1u << (kLeaf - depth);
+    const auto low = [&](unsigned axis) { return cube[axis] % EvidenceTree::kBlockCells / edge * edge; };
+    for (unsigned x = 0; x < edge; ++x) {
+      for (unsigned y = 0; y < edge; ++y) {
+        for (unsigned z = 0; z < edge; ++z) {
+          block[EvidenceTree::cellInBlock(low(0) + x, low(1) + y, low(2) + z)] = log_odds;
+        }
+      }
+    }
+    tree_.add(EvidenceTree::blockOf(cube), block);
   }
 
   unsigned below(unsigned count) { return static_cast<unsigned>(random_() % count); }
@@ -84,7 +101,7 @@ class AnEvidenceTree : public ::testing::Test {
   }
 
   std::mt19937 random_{17};
-  EvidenceTree tree_{0.1};
+  EvidenceTree tree_{config()};
 };
 
 TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
@@ -92,12 +109,11 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
   for (int round = 0; round < 40; ++round) {
     for (int i = 0; i < 60; ++i) {
       const octomap::OcTreeKey cube = anyCell();
-      const unsigned depth = kLeaf - below(3);
+      const unsigned depth = kLeaf - below(5);
       const float log_odds = below(2) ? 2.0f : -0.7f;
-      tree_.add(cube, depth, log_odds);
+      add(cube, depth, log_odds);
       addTo(cells, cube, depth, log_odds);
     }
-    tree_.settle();
     expectEqual(tree_, cells);
     octomap::OcTreeKey low = anyCell(), high = anyCell();
     for (int axis = 0; axis < 3; ++axis) {
@@ -111,8 +127,7 @@ TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
 }
 
 TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
-  for (unsigned i = 0; i < 8; ++i) tree_.add(EvidenceTree::childKey(key(5, 5, 5), 15, i), kLeaf, 2.0f);
-  tree_.settle();
+  for (unsigned i = 0; i < 8; ++i) add(EvidenceTree::childKey(key(5, 5, 5), 15, i), kLeaf, 2.0f);
   unsigned depth = 0;
   ASSERT_NE(tree_.search(key(5, 5, 5)), nullptr);
   for (auto leaf = tree_.begin_leafs(); leaf != tree_.end_leafs(); ++leaf) depth = leaf.getDepth();
@@ -122,20 +137,18 @@ TEST_F(AnEvidenceTree, EightEqualCellsAreOneNode) {
 
 TEST_F(AnEvidenceTree, ForgettingAllOfItLeavesNothing) {
   tree_.forget(key(0, 0, 0), key(9, 9, 9));  // of an empty tree: no harm
-  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
-  tree_.add(key(8, 3, 3), 14, -0.7f);
+  add(key(3, 3, 3), kLeaf, 2.0f);
+  add(key(8, 3, 3), 14, -0.7f);
   tree_.forget(octomap::OcTreeKey(0, 0, 0), octomap::OcTreeKey(65535, 65535, 65535));
   EXPECT_EQ(tree_.size(), 0u);
   EXPECT_EQ(tree_.getRoot(), nullptr);
-  tree_.add(key(3, 3, 3), kLeaf, 2.0f);
-  tree_.settle();
+  add(key(3, 3, 3), kLeaf, 2.0f);
   EXPECT_EQ(tree_.size(), 17u);
 }
 
 TEST_F(AnEvidenceTree, ForgettingACellMovesTheTreesBounds) {
-  tree_.add(key(0, 3, 3), kLeaf, 2.0f);
-  tree_.add(key(9, 3, 3), kLeaf, 2.0f);
-  tree_.settle();
+  add(key(0, 3, 3), kLeaf, 2.0f);
+  add(key(9, 3, 3), kLeaf, 2.0f);
   const auto highest = [this] {
     double x, y, z;
     tree_.getMetricMax(x, y, z);

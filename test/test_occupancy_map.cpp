@@ -43,6 +43,16 @@ TEST(OccupancyMap, AWallIsOccupiedBeforeItFreeBehindItUnknown) {
   EXPECT_EQ(cellAt(map, {0.0, 0.0, -1.0}), Cell::Unknown);  // behind the camera
 }
 
+TEST(OccupancyMap, WhatAnOctreeDoesNotHoldIsLeftOut) {
+  OccupancyMap map(withoutHitBand(), kSmallGeometry);
+  const cv::Mat wall_m = wallDepth(kSmallGeometry.size(), 4.05);
+  map.insert(wall_m, Eigen::Isometry3d(Eigen::Translation3d(4000, 0, 0)));
+  EXPECT_EQ(map.tree().size(), 0u);
+  map.insert(wall_m, Eigen::Isometry3d(Eigen::Translation3d(3276.8, 0, 0)));  // across its border
+  EXPECT_EQ(cellAt(map, {3276.75, 0.3, 4.05}), Cell::Occupied);
+  EXPECT_EQ(cellAt(map, {-3276.75, 0.3, 4.05}), Cell::Unknown);
+}
+
 TEST(OccupancyMap, WhatDoesNotClearHitsAlone) {
   OccupancyMap map(withoutHitBand(), kSmallGeometry);
   map.insert(wallDepth(kSmallGeometry.size(), 4.05), Eigen::Isometry3d::Identity(), false);

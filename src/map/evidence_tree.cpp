@@ -1,56 +1,47 @@
 #include "flight_corridor/map/evidence_tree.hpp"
 
+#include <algorithm>
+
 namespace flight_corridor {
 
-/// A pruned leaf on the path gets eight equal children; in unknown space only the path is created.
-void EvidenceTree::add(const octomap::OcTreeKey& key, unsigned depth, double log_odds) {
-  bool is_new = root == nullptr;
+EvidenceTree::EvidenceTree(const MapConfig& config) : octomap::OcTree(config.resolution_m) {
+  setClampingThresMin(octomap::probability(config.log_odds_min));
+  setClampingThresMax(octomap::probability(config.log_odds_max));
+  setProbHit(octomap::probability(config.log_odds_hit));
+  setProbMiss(octomap::probability(config.log_odds_miss));
+}
+
+void EvidenceTree::add(const octomap::OcTreeKey& block, const Block<float>& log_odds) {
+  const bool is_new = root == nullptr;
   if (is_new) {
     root = new octomap::OcTreeNode();
     ++tree_size;
   }
-  octomap::OcTreeNode* node = root;
-  for (unsigned i = 0; i < depth; ++i) {
-    if (!is_new && !nodeHasChildren(node)) expandNode(node);
-    const unsigned child = octomap::computeChildIdx(key, static_cast<int>(kDepth - 1 - i));
-    is_new = !nodeChildExists(node, child);
-    node = is_new ? createNodeChild(node, child) : getNodeChild(node, child);
-  }
-  addBelow(node, static_cast<float>(log_odds));
-  noteChange(key, depth);
+  addAbove(root, is_new, 0, block, log_odds);
 }
 
-/// Of a cube's blocks, or of the block that it is part of.
-void EvidenceTree::noteChange(const octomap::OcTreeKey& key, unsigned depth) {
-  const unsigned edge = 1u << (kDepth - depth);
-  const auto lowest = [](unsigned cell) { return static_cast<octomap::key_type>(cell & ~(kBlockCells - 1)); };
-  for (unsigned x = 0; x < edge; x += kBlockCells) {
-    for (unsigned y = 0; y < edge; y += kBlockCells) {
-      for (unsigned z = 0; z < edge; z += kBlockCells) {
-        changed_.insert({lowest(key[0] + x), lowest(key[1] + y), lowest(key[2] + z)});
-      }
-    }
-  }
+/// Of unknown space only the path to the block is created.
+void EvidenceTree::addAbove(octomap::OcTreeNode* node, bool is_new, unsigned depth, const octomap::OcTreeKey& block,
+                            const Block<float>& log_odds) {
+  if (depth == kBlockDepth) return addBelow(node, is_new, log_odds.data(), log_odds.size());
+  if (!is_new && !nodeHasChildren(node)) expandNode(node);
+  const unsigned child = octomap::computeChildIdx(block, static_cast<int>(kDepth - 1 - depth));
+  const bool is_child_new = !nodeChildExists(node, child);
+  addAbove(childOf(node, child), is_child_new, depth + 1, block, log_odds);
+  if (!pruneNode(node)) node->updateOccupancyChildren();
 }
 
-/// Unknown parts of a known cube come into being with the evidence alone.
-void EvidenceTree::addBelow(octomap::OcTreeNode* node, float log_odds) {
-  if (!nodeHasChildren(node)) return updateNodeLogOdds(node, log_odds);
+/// A leaf stays one while the evidence of its cells is equal.
+void EvidenceTree::addBelow(octomap::OcTreeNode* node, bool is_new, const float* log_odds, std::size_t cells) {
+  const bool is_equal = std::equal(log_odds + 1, log_odds + cells, log_odds);
+  if (is_equal && !nodeHasChildren(node)) return updateNodeLogOdds(node, *log_odds);
+  if (!is_new && !nodeHasChildren(node)) expandNode(node);
+  const std::size_t part = cells / 8;
   for (unsigned i = 0; i < 8; ++i) {
-    addBelow(nodeChildExists(node, i) ? getNodeChild(node, i) : createNodeChild(node, i), log_odds);
-  }
-}
-
-void EvidenceTree::settle() {
-  if (root) settle(root, {0, 0, 0}, 0);
-  changed_.clear();
-}
-
-/// An inner node holds the most of its children; eight equal leaves become one. Blocks that did not change are settled.
-void EvidenceTree::settle(octomap::OcTreeNode* node, const octomap::OcTreeKey& key, unsigned depth) {
-  if (!nodeHasChildren(node) || (depth == kBlockDepth && changed_.count(key) == 0)) return;
-  for (unsigned i = 0; i < 8; ++i) {
-    if (nodeChildExists(node, i)) settle(getNodeChild(node, i), childKey(key, depth, i), depth + 1);
+    const float* const begin = log_odds + i * part;
+    if (std::all_of(begin, begin + part, [](float evidence) { return evidence == 0.0f; })) continue;
+    const bool is_child_new = !nodeChildExists(node, i);
+    addBelow(childOf(node, i), is_child_new, begin, part);
   }
   if (!pruneNode(node)) node->updateOccupancyChildren();
 }

@@ -5,10 +5,7 @@
 
 namespace flight_corridor {
 
-ObstacleMemory::ObstacleMemory(const MapConfig& config) : config_(config), tree_(config.resolution_m) {
-  tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
-  tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
-}
+ObstacleMemory::ObstacleMemory(const MapConfig& config) : config_(config), tree_(config) {}
 
 void ObstacleMemory::add(const std::vector<Eigen::Vector3d>& points_M, double stamp_s) {
   for (const Eigen::Vector3d& p_M : points_M) {
@@ -17,18 +14,15 @@ void ObstacleMemory::add(const std::vector<Eigen::Vector3d>& points_M, double st
     const auto [known, is_new] = seen_s_.try_emplace(cell, stamp_s);
     if (!is_new && known->second == stamp_s) continue;  // once a pair
     known->second = stamp_s;
-    tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_hit);
+    tree_.updateNode(cell, true);
   }
-  tree_.settle();
 }
 
 void ObstacleMemory::update(double stamp_s, const Look& look) {
   for (const auto& [cell, seen_s] : seen_s_) {
     const octomap::point3d centre = tree_.keyToCoord(cell);
-    if (look({centre.x(), centre.y(), centre.z()}) != Sight::Clear) continue;
-    tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
+    if (look({centre.x(), centre.y(), centre.z()}) == Sight::Clear) tree_.updateNode(cell, false);
   }
-  tree_.settle();
   for (auto cell = seen_s_.begin(); cell != seen_s_.end();) {
     const octomap::OcTreeNode* node = tree_.search(cell->first);
     const bool is_old = !(stamp_s - cell->second <= config_.forget_s);

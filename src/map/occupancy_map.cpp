@@ -19,9 +19,8 @@ octomap::point3d toOctomap(const Eigen::Vector3d& p) {
 OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m)
     : config_((throwIfBroken(check(config)), config)),
       geometry_(geometry),
-      tree_(config.resolution_m),
-      hit_rule_(config, geometry.calibration()),
-      free_space_(config, geometry, nearest_m) {
+      tree_(config),
+      evidence_(config, geometry, nearest_m) {
   double longest_ray = 0.0;
   for (const int u : {0, geometry.size().width - 1}) {
     for (const int v : {0, geometry.size().height - 1})
@@ -33,29 +32,37 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
                 "at least " + std::to_string(smallest_m) + " with this max_range_m and field of view",
                 config.resolution_m);
   throwIfBroken(rules.broken());
-  tree_.setClampingThresMin(octomap::probability(config.log_odds_min));
-  tree_.setClampingThresMax(octomap::probability(config.log_odds_max));
-  tree_.setProbHit(octomap::probability(config.log_odds_hit));
-  tree_.setProbMiss(octomap::probability(config.log_odds_miss));
 }
 
+/// Block by block, of those that may be in view.
 void OccupancyMap::insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears) {
-  addHits(countPoints(depth_m, T_M_C, geometry_, config_), T_M_C.inverse());
-  if (clears) {
-    for (const FreeSpace::Cube& cube : free_space_.find(depth_m, T_M_C)) {
-      tree_.add(cube.key, cube.depth, config_.log_odds_miss);
+  evidence_.look(depth_m, T_M_C, clears);
+  Eigen::AlignedBox3d view_M(T_M_C.translation());
+  for (const int u : {-1, geometry_.size().width}) {
+    for (const int v : {-1, geometry_.size().height}) view_M.extend(T_M_C * geometry_.point(u, v, config_.max_range_m));
+  }
+  const octomap::OcTreeKey first = EvidenceTree::blockOf(cellOf(view_M.min())), last = cellOf(view_M.max());
+  EvidenceTree::Block<float> log_odds;
+  for (unsigned x = first[0]; x <= last[0]; x += EvidenceTree::kBlockCells) {
+    for (unsigned y = first[1]; y <= last[1]; y += EvidenceTree::kBlockCells) {
+      for (unsigned z = first[2]; z <= last[2]; z += EvidenceTree::kBlockCells) {
+        const auto key = [](unsigned k) { return static_cast<octomap::key_type>(k); };
+        const octomap::OcTreeKey block(key(x), key(y), key(z));
+        if (!evidence_.find(block, log_odds)) continue;
+        tree_.add(block, log_odds);
+        seen_s_[block] = now_s_;
+      }
     }
   }
-  settle();
 }
 
-void OccupancyMap::addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M) {
-  for (const auto& [key, points] : counts) {
-    const Eigen::Array3d corner(key[0], key[1], key[2]);
-    const Eigen::Vector3d centre_M = (corner + 0.5 - EvidenceTree::kKeyOrigin) * config_.resolution_m;
-    const auto depth_m = static_cast<float>((T_C_M * centre_M).z());
-    if (hit_rule_.isHit(points, depth_m)) tree_.add(key, EvidenceTree::kDepth, config_.log_odds_hit);
-  }
+/// Of the tree's cells the nearest to a place.
+octomap::OcTreeKey OccupancyMap::cellOf(const Eigen::Vector3d& p_M) const {
+  const Eigen::Array3d cell = (p_M.array() / config_.resolution_m).floor() + EvidenceTree::kKeyOrigin;
+  const auto key = [&](double k) {
+    return static_cast<octomap::key_type>(std::clamp(k, 0.0, static_cast<double>(EvidenceTree::kLastKey)));
+  };
+  return {key(cell.x()), key(cell.y()), key(cell.z())};
 }
 
 void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vector3d& end_M) {
@@ -65,14 +72,13 @@ void OccupancyMap::insertBeam(const Eigen::Vector3d& origin_M, const Eigen::Vect
   if (!has_key(origin_M) || !has_key(end_M) || !tree_.coordToKeyChecked(toOctomap(end_M), end)) return;
   beam_.reset();
   if (!tree_.computeRayKeys(toOctomap(origin_M), toOctomap(end_M), beam_)) return;
-  for (const octomap::OcTreeKey& cell : beam_) tree_.add(cell, EvidenceTree::kDepth, config_.log_odds_miss);
-  tree_.add(end, EvidenceTree::kDepth, config_.log_odds_hit);
-  settle();
+  for (const octomap::OcTreeKey& cell : beam_) add(cell, false);
+  add(end, true);
 }
 
-void OccupancyMap::settle() {
-  for (const octomap::OcTreeKey& block : tree_.changed()) seen_s_[block] = now_s_;
-  tree_.settle();
+void OccupancyMap::add(const octomap::OcTreeKey& cell, bool is_hit) {
+  tree_.updateNode(cell, is_hit);
+  seen_s_[EvidenceTree::blockOf(cell)] = now_s_;
 }
 
 void OccupancyMap::keepAround(const Eigen::Vector3d& centre_M, double stamp_s) {
@@ -106,16 +112,7 @@ void OccupancyMap::clear() {
 
 void OccupancyMap::clear(const Eigen::AlignedBox3d& box_M) {
   if (!(box_M.min().array() <= box_M.max().array()).all()) return;
-  octomap::OcTreeKey low, high;
-  const auto key = [&](double coordinate_m) {
-    const double cell = std::floor(coordinate_m / config_.resolution_m) + EvidenceTree::kKeyOrigin;
-    return static_cast<octomap::key_type>(std::clamp(cell, 0.0, static_cast<double>(EvidenceTree::kLastKey)));
-  };
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    low[axis] = key(box_M.min()[axis]);
-    high[axis] = key(box_M.max()[axis]);
-  }
-  tree_.forget(low, high);
+  tree_.forget(cellOf(box_M.min()), cellOf(box_M.max()));
 }
 
 }  // namespace flight_corridor

@@ -7,11 +7,9 @@
 #include <unordered_map>
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
+#include "flight_corridor/map/cell_evidence.hpp"
 #include "flight_corridor/map/evidence_tree.hpp"
-#include "flight_corridor/map/free_space.hpp"
-#include "flight_corridor/map/hit_rule.hpp"
 #include "flight_corridor/map/map_config.hpp"
-#include "flight_corridor/map/point_counter.hpp"
 
 namespace flight_corridor {
 
@@ -23,8 +21,7 @@ class OccupancyMap {
   /// @throws std::invalid_argument with every broken rule.
   OccupancyMap(const MapConfig& config, const StereoGeometry& geometry, double nearest_m = 0.0);
 
-  /// Hits: cells with enough points for their distance. Misses: cells beyond which all rays through them end, coarse to
-  /// fine, whole subtrees at once (after Reijgwart et al. 2023). Hits win over misses.
+  /// Hits: cells with enough points for their distance. Misses: cells beyond which all rays through them end.
   /// @param depth_m CV_32FC1 of geometry.size(), depth along z of C [m], NaN = no ray.
   /// @param clears false: only hits, for an image that may have missed obstacles.
   void insert(const cv::Mat& depth_m, const Eigen::Isometry3d& T_M_C, bool clears = true);
@@ -45,15 +42,14 @@ class OccupancyMap {
   const octomap::OcTree& tree() const { return tree_; }
 
  private:
-  void addHits(const PointCounts& counts, const Eigen::Isometry3d& T_C_M);
-  void settle();
+  void add(const octomap::OcTreeKey& cell, bool is_hit);
+  octomap::OcTreeKey cellOf(const Eigen::Vector3d& p_M) const;
   bool touches(const Eigen::AlignedBox3d& box_M, const octomap::OcTreeKey& block) const;
 
   MapConfig config_;
   StereoGeometry geometry_;
   EvidenceTree tree_;
-  HitRule hit_rule_;
-  FreeSpace free_space_;
+  CellEvidence evidence_;
   octomap::KeyRay beam_;
   // Per block, by its lowest cell: stamp of its last evidence.
   std::unordered_map<octomap::OcTreeKey, double, octomap::OcTreeKey::KeyHash> seen_s_;
