@@ -207,6 +207,16 @@ TEST(RangeFusionFaults, ARateThatTwoDifferingSensorsFeignDoesNotRunAway) {
   }
 }
 
+TEST(RangeFusionFaults, ALoneOutlierOfASlowLidarIsNoDisagreement) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 200; ++i) {  // at 4 Hz: nothing of the LiDAR's was accepted for half a second then
+    const double stamp = 0.01 * i;
+    if (i % 25 == 0) fusion.add(Sensor::Lidar, stamp, i == 100 ? 2.0 : 5.0 + 0.01 * (i % 2), kLidarVariance_m2);
+    if (i % 10 == 0) fusion.add(Sensor::Stereo, stamp, 5.0, kStereoVariance_m2);
+    EXPECT_FALSE(fusion.at(stamp).disagreement.has_value()) << stamp;
+  }
+}
+
 TEST(RangeFusionFaults, ASlowCameraTooRulesWhenItIsNearer) {
   RangeFusion fusion((FusionConfig()));
   for (int i = 0; i < 200; ++i) {  // a LiDAR 9 m off while stereo, at 5 Hz, saw nothing for a while

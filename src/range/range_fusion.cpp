@@ -7,13 +7,10 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kFirstRateSigma_mps = 5.0;   // of a surface just met: quadrotors in this job fly below it
-constexpr double kFastestSurface_mps = 10.0;  // a reading that takes a leap to more speed is of another surface
-constexpr double kOtherRateSigma_mps = 2.0;   // of another surface on the beam, about the rate so far
-constexpr double kSureOfRate = 1.0;           // sigmas
-constexpr int kTooOften = 4;                  // equal readings: noise hardly allows that
-constexpr double kTogether_s = 0.1;           // two gated sensors speak of the same surface when so close in time
-constexpr double kAccelerationHolds_s = 0.1;  // of an IMU
+constexpr double kRateSigma_mps = 5.0;               // of a surface just met: quadrotors in this job fly below it
+constexpr double kFastestSurface_mps = 10.0;         // a reading that takes a leap to more speed is of another surface
+constexpr int kTooOften = 4;                         // equal readings: noise hardly allows that
+constexpr double kAccelerationHolds_s = 0.1;         // of an IMU
 constexpr double kLargestAcceleration_mps2 = 300.0;  // an IMU of +-16 g on each axis ends below
 constexpr std::size_t kCapacity = 1024;              // readings in the buffer, whatever their stamps
 
@@ -58,18 +55,17 @@ Outcome RangeFusion::addAcceleration(double stamp_s, double acceleration_mps2) {
 /// Puts a reading where its stamp belongs and takes all later ones again.
 Outcome RangeFusion::insert(const Reading& reading) {
   const bool too_late = !steps_.empty() && reading.stamp_s < steps_.back().reading.stamp_s - config_.buffer_s;
-  if (too_late || reading.stamp_s < before_.stamp_s) return Outcome::TooLate;
+  if (too_late || reading.stamp_s < before_.reading.stamp_s) return Outcome::TooLate;
   if (steps_.size() == kCapacity) forgetOldest();
 
   const auto later = [](const Reading& a, const Step& b) {  // ties in one order, whatever the order of arrival
     return std::make_pair(a.stamp_s, a.kind) < std::make_pair(b.reading.stamp_s, b.reading.kind);
   };
-  const auto place = std::upper_bound(steps_.begin(), steps_.end(), reading, later);
-  const auto inserted = static_cast<std::size_t>(place - steps_.begin());
-  steps_.insert(place, {reading, {}, Outcome::Accepted});
-  for (std::size_t i = inserted; i < steps_.size(); ++i) {
-    steps_[i].after = i == 0 ? before_ : steps_[i - 1].after;
-    steps_[i].outcome = update(steps_[i].after, steps_[i].reading);
+  const auto inserted = std::upper_bound(steps_.begin(), steps_.end(), reading, later) - steps_.begin();
+  steps_.insert(steps_.begin() + inserted, {reading, {}, Outcome::Accepted});
+  for (auto step = steps_.begin() + inserted; step != steps_.end(); ++step) {
+    step->after = (step == steps_.begin() ? before_ : *(step - 1)).after;
+    step->outcome = update(step->after, step->reading);
   }
   return steps_[inserted].outcome;
 }
@@ -79,229 +75,178 @@ void RangeFusion::forgetOldest() {
   const double oldest_s = steps_.back().reading.stamp_s - config_.buffer_s;
   const auto needed = std::find_if(steps_.begin() + kCapacity / 4, steps_.end() - 1,
                                    [&](const Step& step) { return step.reading.stamp_s >= oldest_s; });
-  before_ = (needed - 1)->after;
+  before_ = *(needed - 1);
   steps_.erase(steps_.begin(), needed);
 }
 
 RangeEstimate RangeFusion::at(double stamp_s) const {
-  const auto after =
+  const auto newest =
       std::find_if(steps_.rbegin(), steps_.rend(), [&](const Step& step) { return step.reading.stamp_s <= stamp_s; });
-  const Filter& newest = after == steps_.rend() ? before_ : after->after;
-  if (!(newest.confirmed && newest.stamp_s <= stamp_s && stamp_s - newest.lastAccepted() <= config_.max_gap_s))
-    return {};
+  const Step& step = newest == steps_.rend() ? before_ : *newest;
+  const Surface& followed = step.after.surfaces[0];
+  const bool known = step.reading.stamp_s <= stamp_s && stamp_s - followed.lastSeen() <= config_.max_gap_s;
+  if (!known || !followed.isConfirmed()) return {};
 
-  const Filter now = predicted(newest, stamp_s);
+  const Surface now = predicted(followed, step.after, stamp_s);
   RangeEstimate estimate;
   estimate.range_m = std::max(0.0, now.mean[0]);  // predicted: it may have been passed
   estimate.sigma_m = std::sqrt(now.covariance(0, 0));
   estimate.rate_mps = now.mean[1];
   for (const Sensor sensor : {Sensor::Lidar, Sensor::Stereo}) {
-    const SensorTrack& track = now.tracks[static_cast<std::size_t>(sensor)];
-    if (isContradicted(track, stamp_s)) estimate.disagreement = Disagreement{sensor, track.gated.value};
+    const Surface* other = elsewhere(step.after, static_cast<std::size_t>(sensor), stamp_s);
+    if (other) estimate.disagreement = Disagreement{sensor, std::max(0.0, other->mean[0])};
   }
-  estimate.lidar_repeats = newest.repetition.readings >= kTooOften;
+  estimate.lidar_repeats = step.after.repetition.readings >= kTooOften;
   return estimate;
 }
 
-/// x' = A x + B u, P' = A P A^T + Q with A = [1 dt; 0 1], B = [dt^2/2; dt], u = -acceleration: the range shrinks as the
-/// rig speeds up (Trejo 2019, eqs. 3, 4) and Q = sigma_a^2 [dt^3/3 dt^2/2; dt^2/2 dt] (Bar-Shalom 2001, eq. 6.2.2-12).
-RangeFusion::Filter RangeFusion::predicted(const Filter& filter, double stamp_s) const {
-  Filter next = filter;
-  const double dt = stamp_s - filter.stamp_s;
-  const bool driven = stamp_s - filter.acceleration_s <= kAccelerationHolds_s;
-  const double u = driven ? -filter.acceleration_mps2 : 0.0;
-  Eigen::Matrix2d A, Q;
-  A << 1, dt, 0, 1;
-  Q << dt * dt * dt / 3, dt * dt / 2, dt * dt / 2, dt;
-  next.stamp_s = stamp_s;
-  next.mean = A * filter.mean + Eigen::Vector2d(dt * dt / 2, dt) * u;
-  next.covariance = A * filter.covariance * A.transpose() + squared(config_.acceleration_sigma_mps2) * Q;
-  return next;
-}
-
-void RangeFusion::initialise(Filter& filter, const Reading& reading, double rate_sigma_mps) {
-  filter.stamp_s = reading.stamp_s;
-  filter.mean[0] = reading.value;
-  filter.covariance << reading.variance_m2, 0, 0, squared(rate_sigma_mps);
-  filter.common_sigma_1pm = reading.common_sigma_1pm;
-}
-
+/// Surfaces that nothing showed for fusion/max_gap_s are forgotten.
 Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
-  if (reading.kind != Kind::Acceleration) {
-    watchRepetition(filter, reading);
-    const bool refused = reading.kind == Kind::Lidar && filter.repetition.isFrozen() && !isBefore(reading, filter);
-    return refused ? Outcome::Gated : correct(filter, reading);
+  for (Surface& surface : filter.surfaces) {
+    const bool known = reading.stamp_s - surface.lastSeen() <= config_.max_gap_s;
+    surface = known ? predicted(surface, filter, reading.stamp_s) : Surface();
   }
-  if (filter.initialised()) filter = predicted(filter, reading.stamp_s);
+  if (reading.kind != Kind::Acceleration) {
+    const bool refused = isFrozen(filter.repetition, filter.surfaces[0], reading);
+    return refused ? Outcome::Gated : fuse(filter, reading);
+  }
   filter.acceleration_s = reading.stamp_s;
   filter.acceleration_mps2 = reading.value;
   return Outcome::Accepted;
 }
 
-/// A LiDAR that repeats itself while the range goes on changing, or stereo moves, is frozen, until it says something
-/// else.
-void RangeFusion::watchRepetition(Filter& filter, const Reading& reading) const {
-  Repetition& repetition = filter.repetition;
-  if (reading.kind == Kind::Lidar) {
-    if (reading.value != repetition.lidar_m) {
-      repetition = Repetition();
-      repetition.lidar_m = reading.value;
-      repetition.since_s = reading.stamp_s;
-      repetition.speed_mps = std::abs(filter.mean[1]) - kSureOfRate * std::sqrt(filter.covariance(1, 1));
-    }
-    ++repetition.readings;
-    const double travelled_m = repetition.speed_mps * (reading.stamp_s - repetition.since_s);
-    repetition.overdue |= travelled_m > config_.gate_sigma * std::sqrt(reading.variance_m2);
-  } else if (std::isnan(repetition.stereo_m)) {
-    repetition.stereo_m = reading.value;
-    repetition.stereo_variance_m2 = reading.variance_m2;
-  } else if (reading.stamp_s - repetition.since_s >= config_.lasting_s) {
-    const bool elsewhere =
-        differ(repetition.stereo_m, repetition.stereo_variance_m2, reading.value, reading.variance_m2);
-    if (!repetition.isFrozen()) repetition.moved = elsewhere ? repetition.moved + 1 : 0;
-  }
+/// x' = A x + B u, P' = A P A^T + Q with A = [1 dt; 0 1], B = [dt^2/2; dt], u = -acceleration: the range shrinks as the
+/// rig speeds up (Trejo 2019, eqs. 3, 4) and Q = sigma_a^2 [dt^3/3 dt^2/2; dt^2/2 dt] (Bar-Shalom 2001, eq. 6.2.2-12).
+RangeFusion::Surface RangeFusion::predicted(const Surface& surface, const Filter& filter, double stamp_s) const {
+  const double dt = stamp_s - surface.stamp_s;
+  const double u = stamp_s - filter.acceleration_s <= kAccelerationHolds_s ? -filter.acceleration_mps2 : 0.0;
+  Eigen::Matrix2d A, Q;
+  A << 1, dt, 0, 1;
+  Q << dt * dt * dt / 3, dt * dt / 2, dt * dt / 2, dt;
+  Surface next = surface;
+  next.stamp_s = stamp_s;
+  next.mean = A * surface.mean + Eigen::Vector2d(dt * dt / 2, dt) * u;
+  next.covariance = A * surface.covariance * A.transpose() + squared(config_.acceleration_sigma_mps2) * Q;
+  return next;
 }
 
-/// Whether a LiDAR that repeats itself met something nearer than stereo from the start: glass before a moving scene.
-bool RangeFusion::isBefore(const Reading& lidar, const Filter& filter) const {
-  const Repetition& repetition = filter.repetition;
-  return lidar.value < repetition.stereo_m &&
-         differ(lidar.value, lidar.variance_m2, repetition.stereo_m, repetition.stereo_variance_m2);
+Outcome RangeFusion::fuse(Filter& filter, const Reading& reading) const {
+  Surface& followed = filter.surfaces[0];
+  Surface& seen = surfaceOf(filter, reading);
+  if (&seen == &followed && followed.isConfirmed()) return Outcome::Accepted;
+  if (&seen != &followed && !replaces(seen, filter, reading)) return Outcome::Gated;
+  std::swap(followed, seen);
+  return Outcome::Reinitialised;
 }
 
-/// One range: predict, gate by its normalised innovation, correct (Trejo 2019, eqs. 5-9, C = [1 0]).
-Outcome RangeFusion::correct(Filter& filter, const Reading& reading) const {
-  SensorTrack& own = filter.tracks[track(reading)];
-  const auto accept = [&](Outcome outcome) {
-    own.period_s = reading.stamp_s - own.accepted_s;
-    own.accepted_s = reading.stamp_s;
-    own.gated_since_s = own.gated.stamp_s = kNaN;
-    return outcome;
-  };
-  const bool forgotten = !filter.initialised() || !(reading.stamp_s - filter.lastAccepted() <= config_.max_gap_s);
-  if (forgotten) {
-    filter.mean.setZero();
-    filter.confirmed = false;
-    initialise(filter, reading, kFirstRateSigma_mps);
-    return accept(Outcome::Reinitialised);
+/// Corrects the surface followed if the reading fits it, else the challenger that it fits; while the sensor is
+/// elsewhere, whichever it fits best: else the range would alternate. If it fits none, it begins one, in place of the
+/// challenger not seen for longest.
+RangeFusion::Surface& RangeFusion::surfaceOf(Filter& filter, const Reading& reading) const {
+  const std::size_t sensor = sensorOf(reading);
+  const bool is_elsewhere = elsewhere(filter, sensor, reading.stamp_s) != nullptr;
+  auto& surfaces = filter.surfaces;
+  Surface* seen = nullptr;
+  double least = squared(config_.gate_sigma);
+  for (Surface& surface : surfaces) {
+    const double misfit = this->misfit(surface, reading);
+    if (!(misfit <= least) || (seen && !is_elsewhere)) continue;
+    seen = &surface;
+    least = misfit;
   }
-
-  const double held_variance_m2 = filter.covariance(0, 0);
-  filter = predicted(filter, reading.stamp_s);
-  if (isWithinGate(filter, reading, held_variance_m2)) {
-    const double innovation = reading.value - filter.mean[0];
-    double variance_m2 = reading.variance_m2;
-    double& whose_m2 = reading.common_sigma_1pm > filter.common_sigma_1pm ? variance_m2 : filter.covariance(0, 0);
-    whose_m2 += commonVariance(filter, reading);
-    const Eigen::Vector2d gain = filter.covariance.col(0) / (filter.covariance(0, 0) + variance_m2);
-    filter.mean += gain * innovation;
-    filter.covariance -= gain * filter.covariance.row(0).eval();
-    filter.common_sigma_1pm += gain[0] * (reading.common_sigma_1pm - filter.common_sigma_1pm);
-    filter.confirmed = true;
-    return accept(Outcome::Accepted);
+  if (seen) {
+    correct(*seen, reading);
+  } else {
+    const Eigen::Vector2d mean(reading.value, surfaces[0].mean[1]);  // the rate is mostly the rig's own: it stays
+    const Eigen::Vector2d variances(reading.variance_m2, squared(kRateSigma_mps));
+    seen = std::min_element(surfaces.begin() + (surfaces[0].count() > 0 ? 1 : 0), surfaces.end(),
+                            [](const Surface& a, const Surface& b) { return a.lastSeen() < b.lastSeen(); });
+    *seen = {reading.stamp_s, mean, variances.asDiagonal(), reading.common_sigma_1pm};
   }
-
-  remember(own, reading);
-  if ((filter.confirmed || isBeyondOther(filter, reading)) && !bothJumped(filter, reading)) {
-    if (!rulesAlone(filter, reading)) return Outcome::Gated;
-    contradict(filter.tracks[1 - track(reading)], filter, reading.stamp_s);
-  }
-  filter.mean[1] = std::clamp(filter.mean[1], -kFirstRateSigma_mps, kFirstRateSigma_mps);  // mostly our own: it stays
-  initialise(filter, reading, kOtherRateSigma_mps);
-  return accept(Outcome::Reinitialised);
+  ++seen->readings[sensor];
+  seen->period_s[sensor] = reading.stamp_s - seen->seen_s[sensor];
+  seen->seen_s[sensor] = reading.stamp_s;
+  return *seen;
 }
 
-/// Of the difference between a reading and the estimate, by the error that is common to all of a sensor's readings: in
-/// the inverse range, as a disparity's offset is.
-double RangeFusion::commonVariance(const Filter& filter, const Reading& reading) {
-  return squared((reading.common_sigma_1pm - filter.common_sigma_1pm) * reading.value * filter.mean[0]);
-}
-
-/// Whether a reading can be of the surface that the filter, predicted to its stamp, follows. In persistent disagreement
-/// a sensor has to come closer to be believed again; a slower one's pause brings none closer.
-/// @param held_variance_m2 of the range before the prediction.
-bool RangeFusion::isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const {
-  if (std::isinf(config_.gate_sigma)) return true;
-  const bool contradicted = isContradicted(filter.tracks[track(reading)], reading.stamp_s);
-  const double gate_sigma = (contradicted ? 0.5 : 1.0) * config_.gate_sigma;
-  const double reading_m2 = reading.variance_m2 + commonVariance(filter, reading);
-  const double predicted_variance_m2 = filter.covariance(0, 0) + reading_m2;
-  const double gate_variance_m2 =
-      contradicted && isBeyondOther(filter, reading) ? held_variance_m2 + reading_m2 : predicted_variance_m2;
-  const double innovation = reading.value - filter.mean[0];
-  const double rate_change = filter.covariance(1, 0) / predicted_variance_m2 * innovation;
+/// Square of the normalised innovation; NaN if there is no surface, or the reading needs too fast a one.
+double RangeFusion::misfit(const Surface& surface, const Reading& reading) const {
+  if (surface.count() == 0) return kNaN;
+  const double innovation = reading.value - surface.mean[0];
+  const double variance_m2 = surface.covariance(0, 0) + reading.variance_m2 + commonVariance(surface, reading);
+  const double rate_change = surface.covariance(1, 0) / variance_m2 * innovation;
   const bool leaps =
-      std::abs(rate_change) > kFirstRateSigma_mps && std::abs(filter.mean[1] + rate_change) > kFastestSurface_mps;
-  return squared(innovation) <= squared(gate_sigma) * gate_variance_m2 && !leaps;
+      std::abs(rate_change) > kRateSigma_mps && std::abs(surface.mean[1] + rate_change) > kFastestSurface_mps;
+  return leaps && std::isfinite(config_.gate_sigma) ? kNaN : squared(innovation) / variance_m2;
 }
 
-/// Whether a reading is farther than the other sensor's range.
-bool RangeFusion::isBeyondOther(const Filter& filter, const Reading& reading) const {
-  return reading.value > filter.mean[0] && isFollowed(filter.tracks[1 - track(reading)], reading.stamp_s);
+/// Of their difference, by the error that is common to all of a sensor's readings: in the inverse range, as a
+/// disparity's offset is.
+double RangeFusion::commonVariance(const Surface& surface, const Reading& reading) {
+  return squared((reading.common_sigma_1pm - surface.common_sigma_1pm) * reading.value * surface.mean[0]);
 }
 
-/// Remembers a gated reading; a run of them lasts as long as they are of one surface, one outlier at a time apart. A
-/// nearer surface that an outlier was of before takes the run over: two readings agree on it.
-void RangeFusion::remember(SensorTrack& track, const Reading& reading) const {
-  const auto follows = [&](const Reading& earlier) {
-    return reading.stamp_s - earlier.stamp_s <= config_.max_gap_s && agree(earlier, reading);
-  };
-  const bool recent = reading.stamp_s - track.gated.stamp_s <= config_.max_gap_s;
-  const bool nearer_again = recent && reading.value < track.gated.value && follows(track.ignored);
-  const bool known = follows(track.gated) || nearer_again;
-  track.outlier = recent && !known && !track.outlier;
-  if (track.outlier) {
-    track.ignored = reading;
-    return;
+/// By one range (Trejo 2019, eqs. 5-9, C = [1 0]).
+void RangeFusion::correct(Surface& surface, const Reading& reading) {
+  double variance_m2 = reading.variance_m2;
+  double& whose_m2 = reading.common_sigma_1pm > surface.common_sigma_1pm ? variance_m2 : surface.covariance(0, 0);
+  whose_m2 += commonVariance(surface, reading);
+  const Eigen::Vector2d gain = surface.covariance.col(0) / (surface.covariance(0, 0) + variance_m2);
+  surface.mean += gain * (reading.value - surface.mean[0]);
+  surface.covariance -= gain * surface.covariance.row(0).eval();
+  surface.common_sigma_1pm += gain[0] * (reading.common_sigma_1pm - surface.common_sigma_1pm);
+}
+
+/// The confirmed surface that a sensor persistently measures instead of the one followed; nullptr: none.
+const RangeFusion::Surface* RangeFusion::elsewhere(const Filter& filter, std::size_t sensor, double stamp_s) const {
+  const double followed_s = filter.surfaces[0].seen_s[sensor];
+  const Surface* newest = nullptr;
+  for (const Surface& surface : filter.surfaces) {
+    const double seen_s = surface.seen_s[sensor];
+    const bool persists = seen_s - followed_s >= config_.lasting_s && stamp_s - seen_s <= config_.max_gap_s;
+    if (surface.isConfirmed() && persists && !(newest && seen_s < newest->seen_s[sensor])) newest = &surface;
   }
-  if (!known) track.gated_since_s = reading.stamp_s;
-  track.gated = reading;
+  return newest;
 }
 
-/// Whether two ranges can be of one surface; NaN never is.
-bool RangeFusion::agree(const Reading& earlier, const Reading& later) const {
-  const double variance =
-      earlier.variance_m2 + later.variance_m2 + squared(kFirstRateSigma_mps * (later.stamp_s - earlier.stamp_s));
-  return squared(earlier.value - later.value) <= squared(config_.gate_sigma) * variance;
+/// Whether a challenger that was just seen replaces the surface followed: once both sensors have left that one for it,
+/// or one has persistently and the other is farther or silent, longer than between its readings. A lone LiDAR outlier
+/// may agree with a stereo peak: only the LiDAR's second word makes a surface farther.
+bool RangeFusion::replaces(const Surface& challenger, const Filter& filter, const Reading& reading) const {
+  const Surface& followed = filter.surfaces[0];
+  if (!challenger.isConfirmed() || !followed.isConfirmed()) return challenger.count() > followed.count();
+  const std::size_t own = sensorOf(reading), other = 1 - own;
+  const bool nearer = challenger.mean[0] < followed.mean[0];
+  if (challenger.seen_s[other] > followed.seen_s[other]) return nearer || challenger.readings[0] > 1;
+  const double silent_s = reading.stamp_s - followed.seen_s[other] - config_.lasting_s;  // but for its period
+  const bool held =
+      silent_s <= std::min(followed.period_s[other], config_.max_gap_s) && !elsewhere(filter, other, reading.stamp_s);
+  return elsewhere(filter, own, reading.stamp_s) && (nearer || !held);
 }
 
-bool RangeFusion::differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const {
-  return squared(a_m - b_m) > squared(config_.gate_sigma) * (a_variance_m2 + b_variance_m2);
+/// Whether a reading is a frozen LiDAR's: it repeats itself while the range goes on changing, or stereo moves. A LiDAR
+/// that was nearer than stereo from the start is not: glass before a moving scene.
+bool RangeFusion::isFrozen(Repetition& repetition, const Surface& followed, const Reading& reading) const {
+  if (reading.kind == Kind::Stereo) {
+    if (std::isnan(repetition.stereo.value)) repetition.stereo = reading;
+    const bool counts = !repetition.isFrozen() && reading.stamp_s - repetition.lidar.stamp_s >= config_.lasting_s;
+    if (counts) repetition.moved = differ(repetition.stereo, reading) ? repetition.moved + 1 : 0;
+    return false;
+  }
+  if (reading.value != repetition.lidar.value) {
+    repetition = Repetition();
+    repetition.lidar = reading;
+    repetition.speed_mps = std::abs(followed.mean[1]) - std::sqrt(followed.covariance(1, 1));
+  }
+  ++repetition.readings;
+  const double travelled_m = repetition.speed_mps * (reading.stamp_s - repetition.lidar.stamp_s);
+  repetition.overdue |= travelled_m > config_.gate_sigma * std::sqrt(reading.variance_m2);
+  const bool before = reading.value < repetition.stereo.value && differ(reading, repetition.stereo);
+  return repetition.isFrozen() && !before;
 }
 
-/// Whether the other sensor jumped to a gated reading's surface too. A lone LiDAR outlier may agree with a stereo peak:
-/// only the LiDAR's second word makes a surface farther.
-bool RangeFusion::bothJumped(const Filter& filter, const Reading& reading) const {
-  const SensorTrack& other = filter.tracks[1 - track(reading)];
-  const SensorTrack& lidar = filter.tracks[0];
-  return reading.stamp_s - other.gated.stamp_s <= kTogether_s && agree(other.gated, reading) &&
-         (lidar.gatedFor() > 0.0 || reading.value < filter.mean[0]);
-}
-
-/// Whether a gated reading's surface has lasted, and the other sensor is silent or farther. A lone outlier is of none.
-bool RangeFusion::rulesAlone(const Filter& filter, const Reading& reading) const {
-  const SensorTrack& own = filter.tracks[track(reading)];
-  const SensorTrack& other = filter.tracks[1 - track(reading)];
-  const bool lasting = !own.outlier && reading.stamp_s - own.gated_since_s >= config_.lasting_s;
-  return lasting && (!isFollowed(other, reading.stamp_s) || reading.value < filter.mean[0]);
-}
-
-/// Whether the estimate still is a sensor's: between its readings it is not silent, nor while they are on their way.
-bool RangeFusion::isFollowed(const SensorTrack& track, double stamp_s) const {
-  return stamp_s - track.accepted_s <= std::min(track.period_s, config_.max_gap_s) + config_.lasting_s;
-}
-
-/// Whether a sensor is in persistent disagreement with the estimate.
-bool RangeFusion::isContradicted(const SensorTrack& track, double stamp_s) const {
-  return stamp_s - track.gated.stamp_s <= config_.max_gap_s && track.gatedFor() >= config_.lasting_s;
-}
-
-/// The sensor that the estimate followed is in persistent disagreement from now on.
-void RangeFusion::contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const {
-  if (!isFollowed(followed, stamp_s)) return;
-  followed.gated = {followed.gated.kind, stamp_s, filter.mean[0], filter.covariance(0, 0)};
-  followed.gated_since_s = -kInfinity;
-  followed.outlier = false;
+bool RangeFusion::differ(const Reading& a, const Reading& b) const {
+  return squared(a.value - b.value) > squared(config_.gate_sigma) * (a.variance_m2 + b.variance_m2);
 }
 
 }  // namespace flight_corridor

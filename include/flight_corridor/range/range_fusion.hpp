@@ -47,8 +47,9 @@ struct RangeEstimate {
 
 /// Kalman filter of the range on the beam: state [range, range rate], input acceleration, readings of both sensors at
 /// their own stamps (Trejo et al. 2019, eqs. 3-9, with the white-acceleration process noise of Bar-Shalom 2001, eq.
-/// 6.2.2-12). Late readings are inserted by replay: any arrival order within the buffer gives the same state. No
-/// allocation after construction.
+/// 6.2.2-12). A reading that the surface followed does not explain supports or begins a challenger, which may replace
+/// it. Late readings are inserted by replay: any arrival order within the buffer gives the same state. No allocation
+/// after construction.
 class RangeFusion {
  public:
   /// @throws std::invalid_argument with every broken rule.
@@ -74,36 +75,29 @@ class RangeFusion {
     double stamp_s = kNaN, value = kNaN, variance_m2 = kNaN;  // value: range [m] or acceleration [m/s^2]
     double common_sigma_1pm = 0.0;
   };
-  /// Per-sensor memory that the gate needs.
-  struct SensorTrack {
-    double accepted_s = -kInfinity;  // its newest accepted reading
-    double period_s = kInfinity;     // from the one before to it
-    double gated_since_s = kNaN;
-    Reading gated;         // the newest of that run
-    bool outlier = false;  // the last gated reading was of another surface, and was ignored as an outlier
-    Reading ignored;       // the last one ignored
-    double gatedFor() const { return gated.stamp_s - gated_since_s; }
-  };
-  struct Repetition {  // a LiDAR whose readings are bit-identical, and the state when that began
-    double lidar_m = kNaN, since_s = kNaN;
-    int readings = 0;
-    double speed_mps = 0.0;  // lower bound, of the range
-    double stereo_m = kNaN, stereo_variance_m2 = kNaN;
-    int moved = 0;         // consecutive stereo readings that have moved: a single one may be a peak
-    bool overdue = false;  // at that speed the LiDAR should have moved
-    bool isFrozen() const { return overdue || moved >= 2; }
-  };
-  struct Filter {  // everything that one reading changes: a copy is a memory
+  struct Surface {  // a hypothesis: the Kalman filter of the readings that fit it
     double stamp_s = kNaN;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     double common_sigma_1pm = 0.0;  // of the readings that support the range
+    std::array<int, 2> readings{};  // of each sensor; when it saw the surface last, and how long after the time before
+    std::array<double, 2> seen_s{-kInfinity, -kInfinity}, period_s{kInfinity, kInfinity};
+    int count() const { return readings[0] + readings[1]; }
+    bool isConfirmed() const { return count() > 1; }  // a lone reading may be a spike
+    double lastSeen() const { return std::max(seen_s[0], seen_s[1]); }
+  };
+  struct Repetition {       // a LiDAR whose readings are bit-identical
+    Reading lidar, stereo;  // each sensor's first
+    int readings = 0;
+    double speed_mps = 0.0;  // of the range when it began, less one sigma
+    bool overdue = false;    // at that speed the LiDAR should have moved
+    int moved = 0;           // consecutive stereo readings that have moved: a single one may be a peak
+    bool isFrozen() const { return overdue || moved >= 2; }
+  };
+  struct Filter {                     // everything that one reading changes: a copy is a memory
+    std::array<Surface, 3> surfaces;  // the one followed, and two challengers
     double acceleration_s = -kInfinity, acceleration_mps2 = 0.0;
-    std::array<SensorTrack, 2> tracks;
     Repetition repetition;
-    bool confirmed = false;  // by a second reading: a lone one may be a spike
-    bool initialised() const { return stamp_s == stamp_s; }
-    double lastAccepted() const { return std::max(tracks[0].accepted_s, tracks[1].accepted_s); }
   };
   struct Step {
     Reading reading;
@@ -111,29 +105,23 @@ class RangeFusion {
     Outcome outcome;
   };
 
-  static std::size_t track(const Reading& reading) { return reading.kind == Kind::Lidar ? 0 : 1; }
+  static std::size_t sensorOf(const Reading& reading) { return reading.kind == Kind::Lidar ? 0 : 1; }
   Outcome insert(const Reading& reading);
   void forgetOldest();
-  Filter predicted(const Filter& filter, double stamp_s) const;
   Outcome update(Filter& filter, const Reading& reading) const;
-  Outcome correct(Filter& filter, const Reading& reading) const;
-  static double commonVariance(const Filter& filter, const Reading& reading);
-  bool isWithinGate(const Filter& filter, const Reading& reading, double held_variance_m2) const;
-  bool isBeyondOther(const Filter& filter, const Reading& reading) const;
-  void watchRepetition(Filter& filter, const Reading& reading) const;
-  bool isBefore(const Reading& lidar, const Filter& filter) const;
-  void remember(SensorTrack& track, const Reading& reading) const;
-  bool bothJumped(const Filter& filter, const Reading& reading) const;
-  bool rulesAlone(const Filter& filter, const Reading& reading) const;
-  bool isFollowed(const SensorTrack& track, double stamp_s) const;
-  bool isContradicted(const SensorTrack& track, double stamp_s) const;
-  void contradict(SensorTrack& followed, const Filter& filter, double stamp_s) const;
-  bool agree(const Reading& earlier, const Reading& later) const;
-  bool differ(double a_m, double a_variance_m2, double b_m, double b_variance_m2) const;
-  static void initialise(Filter& filter, const Reading& reading, double rate_sigma_mps);
+  Surface predicted(const Surface& surface, const Filter& filter, double stamp_s) const;
+  Outcome fuse(Filter& filter, const Reading& reading) const;
+  Surface& surfaceOf(Filter& filter, const Reading& reading) const;
+  double misfit(const Surface& surface, const Reading& reading) const;
+  static double commonVariance(const Surface& surface, const Reading& reading);
+  static void correct(Surface& surface, const Reading& reading);
+  const Surface* elsewhere(const Filter& filter, std::size_t sensor, double stamp_s) const;
+  bool replaces(const Surface& challenger, const Filter& filter, const Reading& reading) const;
+  bool isFrozen(Repetition& repetition, const Surface& followed, const Reading& reading) const;
+  bool differ(const Reading& a, const Reading& b) const;
 
   FusionConfig config_;
-  Filter before_;            // state before the oldest buffered reading
+  Step before_;              // the newest that was forgotten
   std::vector<Step> steps_;  // ordered by stamp
 };
 
