@@ -49,5 +49,12 @@ TEST(Config, ASpeedMarginThatLeavesNothingOfTheCorridorIsRefusedAndBothAreNamed)
   EXPECT_EQ(check(config).size(), 1u);
 }
 
+TEST(Config, AGridOfTooManyDirectionsIsRefused) {
+  Config config;
+  config.free_areas = {0.5, 0.5, 0.02};
+  ASSERT_EQ(check(config).size(), 1u);
+  EXPECT_EQ(check(config).front(), "free_areas/step_rad: so large that there are no more than 400 directions (0.02)");
+}
+
 }  // namespace
 }  // namespace flight_corridor

@@ -59,12 +59,5 @@ TEST(FreeAreas, AGoalThatIsNoneIsAhead) {
   }
 }
 
-TEST(FreeAreas, BrokenRulesAreNamed) {
-  FreeAreasConfig config;
-  EXPECT_EQ(check(config), Violations());
-  config = {2.0, -0.1, 0.001};
-  EXPECT_EQ(check(config).size(), 3u);
-}
-
 }  // namespace
 }  // namespace flight_corridor

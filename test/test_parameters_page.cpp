@@ -1,17 +1,17 @@
-// doc/parameters.md is what the code, and the comments of config/default.yaml, say; each constant of the core is in one
-// of its two lists.
+// doc/parameters.md and config/default.yaml are what the table of parameters says; each constant of the core is in one
+// of the page's two lists.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <limits>
 #include <regex>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ros/params.hpp"
@@ -22,7 +22,7 @@ namespace {
 const std::string kSource = FLIGHT_CORRIDOR_SOURCE_DIR;
 const std::string kConstants = "## Tuned constants\n";  // begins the part of the page that is written by hand
 
-std::string textOf(const std::string& path) {
+std::string fileText(const std::string& path) {
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
@@ -35,68 +35,69 @@ std::vector<std::string> linesOf(const std::string& path) {
   return lines;
 }
 
-/// What the checks demand of a parameter, joined by "; ": from the complaints about values that no rule allows.
-std::string rulesOf(const std::string& key, const Value& value) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Value> impossible;
-  if (std::holds_alternative<double>(value)) impossible = {kNone};
-  if (std::holds_alternative<int>(value)) {
-    impossible = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
+/// A value as in YAML.
+std::string textOf(const Value& value) {
+  if (const auto* text = std::get_if<std::string>(&value); text && !text->empty()) return *text;
+  if (const auto* list = std::get_if<std::vector<double>>(&value)) {
+    std::string text;
+    for (const double number : *list) text += (text.empty() ? "" : ", ") + textOf(number);
+    return "[" + text + "]";
   }
-  if (std::holds_alternative<bool>(value)) impossible = {std::string()};
-  if (std::holds_alternative<std::string>(value)) impossible = {std::string(), std::string("/")};
-  if (std::holds_alternative<std::vector<double>>(value)) impossible = {std::vector<double>(3, kNone)};
-  std::string rules;
-  for (const Value& candidate : impossible) {
-    try {
-      makeConfig({{key, candidate}});
-    } catch (const std::invalid_argument& error) {
-      std::istringstream complaint(error.what());
-      for (std::string line; std::getline(complaint, line);) {
-        const std::string begin = "  " + key + ": ";
-        if (line.rfind(begin, 0) != 0) continue;
-        const std::string rule = line.substr(begin.size(), line.rfind(" (") - begin.size());
-        if (rules.find(rule) == std::string::npos) rules += (rules.empty() ? "" : "; ") + rule;
-      }
-    }
-  }
-  return rules.empty() ? "any" : std::regex_replace(rules, std::regex("^expects "), "");
+  const std::string text = flight_corridor::describe(value);
+  const bool looks_whole = std::holds_alternative<double>(value) && text.find_first_of(".e") == std::string::npos;
+  return looks_whole ? text + ".0" : text;
 }
 
-/// The tables: key, default, unit and meaning from config/default.yaml, rules from the code.
-std::string tables() {
-  const std::regex section("(\\w+):\\s*(?:# (.*))?"),
-      parameter("  (\\w+): (\"[^\"]*\"|\\[[^\\]]*\\]|\\S+) *(?:# (.*))?");
-  const std::regex unit_and_meaning("\\[([^\\]]*)\\] ?(.*)");
-  const Values defaults = toValues(NodeConfig());
-  std::string text, name;
-  for (const std::string& line : linesOf(kSource + "/config/default.yaml")) {
-    std::smatch part;
-    if (std::regex_match(line, part, section)) {
-      name = part[1];
-      text += "\n## " + name + "\n\n" + part[2].str() +
-              ".\n\n| key | default | unit | rule | meaning |\n|---|---|---|---|---|\n";
-    } else if (std::regex_match(line, part, parameter)) {
-      const std::string key = name + "/" + part[1].str(), comment = part[3];
-      std::smatch words;
-      const bool has_unit = std::regex_match(comment, words, unit_and_meaning);
-      const std::string unit = has_unit ? words[1].str() : "", meaning = has_unit ? words[2].str() : comment;
-      EXPECT_FALSE(meaning.empty()) << key << " has no meaning in config/default.yaml";
-      text += "| `" + part[1].str() + "` | `" + part[2].str() + "` | " + unit + " | " + rulesOf(key, defaults.at(key)) +
-              " | " + meaning + " |\n";
-    }
-  }
+/// What a parameter may be.
+std::string ruleOf(const flight_corridor::Parameter& row) {
+  const std::string words = flight_corridor::describe(row.rule);
+  return !words.empty() ? words : std::holds_alternative<bool*>(row.field) ? "true or false" : "any";
+}
+
+std::string padded(std::string text) {
+  text.resize(std::max(text.size() + 2, std::size_t{33}), ' ');
   return text;
 }
 
-TEST(ParametersPage, HoldsEveryParameterAsTheCodeHasIt) {
-  const std::string page = textOf(kSource + "/doc/parameters.md");
+/// config/default.yaml, and the tables of the page, as the table of parameters has them.
+std::pair<std::string, std::string> printed() {
+  static const char* const kTiers[] = {"configure", "tune", "internal"};
+  std::string yaml =
+      "# Every parameter with its default. Unknown keys and values of another type stop the node, which names the "
+      "key.\n";
+  std::string page;
+  NodeConfig defaults;
+  for (const flight_corridor::Table& table : tablesOf(defaults)) {
+    yaml += "\n" + padded(table.name + ":") + "# " + table.meaning + "\n";
+    page += "\n## " + table.name + "\n\n" + table.meaning +
+            ".\n\n| key | default | unit | rule | tier | meaning |\n|---|---|---|---|---|---|\n";
+    for (const flight_corridor::Parameter& row : table.rows) {
+      const std::string value = textOf(flight_corridor::valuesOf({row}).at(row.key));
+      const std::size_t unit = row.meaning[0] == '[' ? row.meaning.find("] ") : 0;  // its end
+      yaml += padded("  " + row.key + ": " + value) + "# " + row.meaning + "\n";
+      page += "| `" + row.key + "` | `" + value + "` | " + (unit ? row.meaning.substr(1, unit - 1) : "") + " | " +
+              ruleOf(row) + " | " + kTiers[static_cast<int>(row.tier)] + " | " +
+              row.meaning.substr(unit ? unit + 2 : 0) + " |\n";
+    }
+  }
+  return {yaml, page};
+}
+
+/// A file of the repository is as printed; if not, what was printed lies beside the test's other files.
+void expectFile(const std::string& path, const std::string& text) {
+  const std::string copy = testing::TempDir() + path.substr(path.rfind('/') + 1);
+  std::ofstream(copy) << text;
+  EXPECT_TRUE(fileText(kSource + path) == text) << "To do: cp " << copy << " " << kSource + path;
+}
+
+TEST(ParametersPage, AndDefaultYamlAreAsTheTableHasThem) {
+  const auto [yaml, tables] = printed();
+  const std::string page = fileText(kSource + "/doc/parameters.md");
   const std::size_t first = page.find("\n## "), end = page.find(kConstants);
   ASSERT_TRUE(first != std::string::npos && end != std::string::npos);
-  const std::string printed = page.substr(0, first) + tables() + "\n" + page.substr(end);
-  const std::string path = testing::TempDir() + "parameters.md";
-  std::ofstream(path) << printed;
-  EXPECT_TRUE(page == printed) << "The page as the code has it is in " << path << ": copy it to doc/parameters.md.";
+  expectFile("/config/default.yaml", yaml);
+  EXPECT_EQ(readYaml(kSource + "/config/default.yaml"), toValues(NodeConfig()));
+  expectFile("/doc/parameters.md", page.substr(0, first) + tables + "\n" + page.substr(end));
 }
 
 /// Adds constants of a folder's headers or sources, at the scope of the namespace or of a class, as "file: name".
@@ -137,7 +138,7 @@ TEST(ParametersPage, NamesEveryConstantOfTheCore) {
     collectConstants(std::string("/include/flight_corridor") + module, constants);
     collectConstants(std::string("/src") + module, constants);
   }
-  const std::string page = textOf(kSource + "/doc/parameters.md");
+  const std::string page = fileText(kSource + "/doc/parameters.md");
   std::multiset<std::string> named = listed(page, "Tuned on frames: ");
   const std::multiset<std::string> plain = listed(page, "Not tuned: ");
   std::cout << named.size() << " constants tuned on frames, " << plain.size() << " not\n";

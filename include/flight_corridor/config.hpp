@@ -4,6 +4,7 @@
 #include "flight_corridor/corridor/free_areas.hpp"
 #include "flight_corridor/corridor/safe_speed.hpp"
 #include "flight_corridor/map/map_config.hpp"
+#include "flight_corridor/parameter.hpp"
 #include "flight_corridor/range/beam_footprint.hpp"
 #include "flight_corridor/range/range_fusion.hpp"
 #include "flight_corridor/range/scale_correction.hpp"
@@ -11,13 +12,12 @@
 
 namespace flight_corridor {
 
-/// The published cloud.
+/// Section `cloud/` of doc/parameters.md: the published cloud.
 struct CloudConfig {
-  double max_range_m = 8.0;         ///< Farther points are left out.
-  int min_neighbours = 3;           ///< Of a pixel's 8 neighbours within 3 sigma_Z; a point with fewer is noise.
-  double disparity_sigma_px = 0.5;  ///< sigma_d of that sigma_Z.
+  double max_range_m = 8.0;
+  int min_neighbours = 3;
+  double disparity_sigma_px = 0.5;
 };
-Violations check(const CloudConfig& config);
 
 /// Every module's configuration; the YAML's sections have the members' names.
 struct Config {
@@ -31,7 +31,9 @@ struct Config {
   SpeedConfig speed;
   FreeAreasConfig free_areas;
 };
-/// Every broken rule of every section.
+/// The one table of the parameters: what may be set, what it may be, and what it means.
+std::vector<Table> tablesOf(Config& config);
+/// Every broken rule of every section, and between them.
 Violations check(const Config& config);
 
 }  // namespace flight_corridor

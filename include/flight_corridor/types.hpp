@@ -4,7 +4,6 @@
 #include <limits>
 #include <opencv2/core/mat.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace flight_corridor {
@@ -17,19 +16,6 @@ using Violations = std::vector<std::string>;
 
 /// @throws std::invalid_argument with the title and all of them, one a line, unless empty.
 void throwIfBroken(const Violations& broken, const std::string& title = "broken configuration");
-
-/// Collects the broken rules of one section of the configuration.
-class Rules {
- public:
-  explicit Rules(std::string section) : section_(std::move(section)) {}
-  void require(bool holds, const std::string& key, const std::string& rule, double value);
-  void require(bool holds, const std::string& key, const std::string& rule, const std::string& value);
-  const Violations& broken() const { return broken_; }
-
- private:
-  std::string section_;
-  Violations broken_;
-};
 
 /// One rectified stereo pair. The images are shared, not copied.
 struct StereoFrame {

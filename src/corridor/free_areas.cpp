@@ -7,22 +7,9 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kMostDirections = 400.0;  // limit of a pair's time and memory
-constexpr double kScanned_rad = 0.7;       // to the left and to the right: about the view of a camera
+constexpr double kScanned_rad = 0.7;  // to the left and to the right: about the view of a camera
 
 }  // namespace
-
-Violations check(const FreeAreasConfig& config) {
-  Rules rules("free_areas");
-  rules.require(0.0 <= config.yaw_rad && config.yaw_rad <= 1.2, "yaw_rad", "0 to 1.2", config.yaw_rad);
-  rules.require(0.0 <= config.pitch_rad && config.pitch_rad <= 0.8, "pitch_rad", "0 to 0.8", config.pitch_rad);
-  rules.require(0.02 <= config.step_rad && config.step_rad <= 1.0, "step_rad", "0.02 to 1", config.step_rad);
-  const double directions =
-      (2.0 * config.yaw_rad / config.step_rad + 1.0) * (2.0 * config.pitch_rad / config.step_rad + 1.0);
-  rules.require(directions <= kMostDirections, "step_rad", "so large that there are no more than 400 directions",
-                config.step_rad);
-  return rules.broken();
-}
 
 std::vector<double> gridAngles(double limit_rad, double step_rad) {
   const int steps = static_cast<int>(limit_rad / step_rad + 0.01);  // a limit of whole steps is one, as rounded

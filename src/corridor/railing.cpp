@@ -18,11 +18,11 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr float kAsGood = 0.1f;   // by how much less another match may correlate
-constexpr float kBetween = 0.5f;  // of the own fit: a worse match between two makes them two
-constexpr float kOwnFit = 0.8f;   // least correlation of the best match at or behind the surface
+constexpr float kFitsAsWell = 0.1f;  // by how much less another match may correlate
+constexpr float kBetween = 0.5f;     // of the own fit: a worse match between two makes them two
+constexpr float kOwnFit = 0.8f;      // least correlation of the best match at or behind the surface
 
-constexpr int kBarStride_px = 2;  // between windows
+constexpr int kBarStride_px = 2;           // between windows
 constexpr double kBarWindows = 3000.0;     // looked at, at the most: fewer rows, for columns meet the bars' pitch
 constexpr int kShared = 3;                 // ... but of several boxes in each this part of them
 constexpr float kBarTexture = 3.0f;        // grey levels: mean gradient along the row in a window's middle
@@ -230,7 +230,7 @@ const Railings::Window& Railings::window(int u, int v) {
     }
     if (own < kOwnFit) break;
     least = std::min(least, at);
-    if (is_peak && least < kBetween * own && fit >= own - kAsGood) {
+    if (is_peak && least < kBetween * own && fit >= own - kFitsAsWell) {
       window.offsets_px.push_back(at_px - window.own_px);
       least = 1.0f;
     }

@@ -5,18 +5,6 @@
 
 namespace flight_corridor {
 
-Violations check(const SpeedConfig& config) {
-  Rules rules("speed");
-  rules.require(0.0 <= config.delay_s && config.delay_s <= 5.0, "delay_s", "0 to 5", config.delay_s);
-  rules.require(0.0 < config.acceleration_mps2 && config.acceleration_mps2 <= 100.0, "acceleration_mps2",
-                "above 0, up to 100", config.acceleration_mps2);
-  rules.require(0.0 < config.jerk_mps3 && config.jerk_mps3 <= 1000.0, "jerk_mps3", "above 0, up to 1000",
-                config.jerk_mps3);
-  rules.require(0.0 <= config.margin_m && config.margin_m <= 5.0, "margin_m", "0 to 5", config.margin_m);
-  rules.require(0.0 <= config.mover_mps && config.mover_mps <= 10.0, "mover_mps", "0 to 10", config.mover_mps);
-  return rules.broken();
-}
-
 double safeSpeed(double free_m, double age_s, const SpeedConfig& config) {
   const double distance_m = free_m - config.margin_m;
   if (!(distance_m > 0.0) || !std::isfinite(age_s)) return 0.0;

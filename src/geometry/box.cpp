@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "flight_corridor/parameter.hpp"
+
 namespace flight_corridor {
 
 namespace {
@@ -14,20 +16,20 @@ constexpr double kLargest_cells = 1e6;  // on a box's surface: these are what co
 }  // namespace
 
 Violations check(const Box& box, double cell_m) {
-  Rules rules("box");
-  const Eigen::Vector3d start_M = box.T_M_F.translation();
-  const char* const kSides[] = {"length_m", "width_m", "height_m"};
+  Eigen::Vector3d start_M = box.T_M_F.translation(), size_m = box.size_m;
+  const Eigen::Matrix3d R_M_F = box.T_M_F.linear();
+  double determinant = R_M_F.determinant();
+  double surface_cells = 2.0 * size_m.dot(Eigen::Vector3d(size_m.y(), size_m.z(), size_m.x())) / (cell_m * cell_m);
+  const char* const kSides[] = {"box/length_m", "box/width_m", "box/height_m"};
+  Parameters parameters;
   for (int axis = 0; axis < 3; ++axis) {
-    rules.require(std::isfinite(start_M[axis]), "position", "finite", start_M[axis]);
-    rules.require(0.0 < box.size_m[axis] && box.size_m[axis] <= kLongest_m, kSides[axis], "above 0, up to 100",
-                  box.size_m[axis]);
+    parameters.push_back({"box/position", &start_M[axis], Rule().where(std::isfinite(start_M[axis]), "finite")});
+    parameters.push_back({kSides[axis], &size_m[axis], above(0).upTo(kLongest_m)});
   }
-  rules.require(isRotation(box.T_M_F.linear()), "orientation", "a rotation", box.T_M_F.linear().determinant());
-  const Eigen::Vector3d others_m(box.size_m.y(), box.size_m.z(), box.size_m.x());
-  const double surface_m2 = 2.0 * box.size_m.dot(others_m);
-  const double surface_cells = surface_m2 / (cell_m * cell_m);
-  rules.require(surface_cells <= kLargest_cells, "surface", "up to 1000000 of the map's cells", surface_cells);
-  return rules.broken();
+  parameters.push_back({"box/orientation", &determinant, Rule().where(isRotation(R_M_F), "a rotation")});
+  parameters.push_back({"box/surface", &surface_cells,
+                        Rule().where(surface_cells <= kLargest_cells, "up to 1000000 of the map's cells")});
+  return brokenRules(parameters);
 }
 
 bool isRotation(const Eigen::Matrix3d& R, double tolerance) { return R.isUnitary(tolerance) && R.determinant() > 0.0; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "flight_corridor/parameter.hpp"
+
 namespace flight_corridor {
 
 namespace {
@@ -26,12 +28,10 @@ OccupancyMap::OccupancyMap(const MapConfig& config, const StereoGeometry& geomet
     for (const int v : {0, geometry.size().height - 1})
       longest_ray = std::max(longest_ray, geometry.point(u, v, 1.0).norm());
   }
-  Rules rules("map");
   const double smallest_m = config.max_range_m * longest_ray / kMostCellsAlongARay;
-  rules.require(config.resolution_m >= smallest_m, "resolution_m",
-                "at least " + std::to_string(smallest_m) + " with this max_range_m and field of view",
-                config.resolution_m);
-  throwIfBroken(rules.broken());
+  const std::string rule = "at least " + std::to_string(smallest_m) + " with this max_range_m and field of view";
+  throwIfBroken(brokenRules(
+      {{"map/resolution_m", &config_.resolution_m, Rule().where(config_.resolution_m >= smallest_m, rule)}}));
 }
 
 /// Block by block, of those that may be in view.

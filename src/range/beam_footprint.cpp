@@ -23,17 +23,6 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
-Violations check(const LidarConfig& config) {
-  Rules rules("lidar");
-  rules.require(config.min_range_m >= 0.0, "min_range_m", "not negative", config.min_range_m);
-  rules.require(config.max_range_m > config.min_range_m, "max_range_m", "above min_range_m", config.max_range_m);
-  rules.require(0.0 < config.min_beam_width_rad && config.min_beam_width_rad < 1.0, "min_beam_width_rad",
-                "above 0, below 1", config.min_beam_width_rad);
-  rules.require(0.0 < config.min_valid_fraction && config.min_valid_fraction <= 1.0, "min_valid_fraction",
-                "above 0, up to 1", config.min_valid_fraction);
-  return rules.broken();
-}
-
 BeamFootprint::BeamFootprint(const LidarConfig& config, const StereoGeometry& geometry, const Eigen::Isometry3d& T_C_L,
                              double disparity_sigma_px)
     : config_(config),

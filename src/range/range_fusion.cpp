@@ -18,22 +18,6 @@ double squared(double value) { return value * value; }
 
 }  // namespace
 
-Violations check(const FusionConfig& config) {
-  Rules rules("fusion");
-  rules.require(config.acceleration_sigma_mps2 >= 0.0, "acceleration_sigma_mps2", "not negative",
-                config.acceleration_sigma_mps2);
-  rules.require(config.lidar_variance_m2 > 0.0, "lidar_variance_m2", "positive", config.lidar_variance_m2);
-  rules.require(config.stereo_variance_m2 >= 0.0, "stereo_variance_m2", "not negative", config.stereo_variance_m2);
-  rules.require(config.disparity_sigma_px >= 0.0, "disparity_sigma_px", "not negative", config.disparity_sigma_px);
-  rules.require(config.stereo_variance_m2 + config.disparity_sigma_px > 0.0, "disparity_sigma_px",
-                "positive if stereo_variance_m2 is 0", config.disparity_sigma_px);
-  rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);
-  rules.require(config.lasting_s > 0.0, "lasting_s", "positive", config.lasting_s);
-  rules.require(config.max_gap_s > 0.0, "max_gap_s", "positive", config.max_gap_s);
-  rules.require(config.buffer_s > 0.0, "buffer_s", "positive", config.buffer_s);
-  return rules.broken();
-}
-
 RangeFusion::RangeFusion(const FusionConfig& config) : config_(config) {
   throwIfBroken(check(config));
   steps_.reserve(kCapacity);

@@ -13,19 +13,6 @@ constexpr double kMatchBias = 0.5;  // sigmas of a match, of all of one surface:
 
 }  // namespace
 
-Violations check(const ScaleConfig& config) {
-  Rules rules("scale");
-  rules.require(0.0 <= config.max_correction && config.max_correction < 0.5, "max_correction", "0 to below 0.5",
-                config.max_correction);
-  rules.require(config.prior_sigma > 0.0, "prior_sigma", "positive", config.prior_sigma);
-  rules.require(config.offset_prior_sigma_px > 0.0, "offset_prior_sigma_px", "positive", config.offset_prior_sigma_px);
-  rules.require(config.disparity_sigma_px > 0.0, "disparity_sigma_px", "positive", config.disparity_sigma_px);
-  rules.require(config.drift_sigma_per_sqrt_s >= 0.0, "drift_sigma_per_sqrt_s", "not negative",
-                config.drift_sigma_per_sqrt_s);
-  rules.require(config.gate_sigma > 0.0, "gate_sigma", "positive", config.gate_sigma);
-  return rules.broken();
-}
-
 ScaleCorrection::ScaleCorrection(const ScaleConfig& config) : config_(config) {
   throwIfBroken(check(config));
   least_ = 1.0 / (1.0 + config.max_correction);

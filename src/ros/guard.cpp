@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ros/fields.hpp"
 #include "ros/stamp_age.hpp"
 #include "ros/transforms.hpp"
 
@@ -13,8 +12,11 @@ namespace flight_corridor_ros {
 
 namespace {
 
+using flight_corridor::above;
 using flight_corridor::CorridorState;
 using flight_corridor::FreeAreas;
+using flight_corridor::from;
+using flight_corridor::Rule;
 
 constexpr double kAlone_rad = 0.0873;  // step of a grid of one direction: the default of free_areas/step_rad
 constexpr double kReach = 0.9;         // of a step: directions that are nearer than this to a command's limit it
@@ -57,28 +59,22 @@ std::string degrees(double yaw_rad, double pitch_rad) {
 }  // namespace
 
 GuardConfig makeGuardConfig(const Values& values) {
-  GuardConfig config;
-  flight_corridor::Violations broken = assign(values, {{"stamped", &config.stamped},
-                                                       {"frame_id", &config.frame_id},
-                                                       {"rate_hz", &config.rate_hz},
-                                                       {"max_age_s", &config.max_age_s},
-                                                       {"command_age_s", &config.command_age_s},
-                                                       {"turn_delay_s", &config.turn_delay_s},
-                                                       {"gravity_frame", &config.gravity_frame}});
-  const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {
-    if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
+  GuardConfig c;
+  const auto frame = [](const std::string& name) {
+    return Rule().where(!withoutSlash(name).empty(), "a frame's name");
   };
-  config.frame_id = withoutSlash(config.frame_id);
-  config.gravity_frame = withoutSlash(config.gravity_frame);
-  require(!config.frame_id.empty(), "frame_id", "a frame's name", config.frame_id);
-  require(!config.gravity_frame.empty(), "gravity_frame", "a frame's name", config.gravity_frame);
-  require(1.0 <= config.rate_hz && config.rate_hz <= 200.0, "rate_hz", "1 to 200", config.rate_hz);
-  require(0.0 < config.max_age_s && config.max_age_s <= 5.0, "max_age_s", "above 0, up to 5", config.max_age_s);
-  require(0.0 < config.command_age_s && config.command_age_s <= 5.0, "command_age_s", "above 0, up to 5",
-          config.command_age_s);
-  require(0.0 <= config.turn_delay_s && config.turn_delay_s <= 2.0, "turn_delay_s", "0 to 2", config.turn_delay_s);
-  flight_corridor::throwIfBroken(broken);
-  return config;
+  flight_corridor::throwIfBroken(flight_corridor::assign(values, [&]() -> flight_corridor::Parameters {
+    return {{"stamped", &c.stamped},
+            {"frame_id", &c.frame_id, frame(c.frame_id)},
+            {"rate_hz", &c.rate_hz, from(1).upTo(200)},
+            {"max_age_s", &c.max_age_s, above(0).upTo(5)},
+            {"command_age_s", &c.command_age_s, above(0).upTo(5)},
+            {"turn_delay_s", &c.turn_delay_s, from(0).upTo(2)},
+            {"gravity_frame", &c.gravity_frame, frame(c.gravity_frame)}};
+  }));
+  c.frame_id = withoutSlash(c.frame_id);
+  c.gravity_frame = withoutSlash(c.gravity_frame);
+  return c;
 }
 
 void Guard::see(const FreeAreas& areas, const GuardTime& time) { take(areas, time, areas_); }

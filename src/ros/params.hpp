@@ -1,24 +1,24 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "flight_corridor/config.hpp"
 #include "ros/values.hpp"
 
 namespace flight_corridor_ros {
 
-/// Section `ros/`: parameters of the shell only.
+/// Section `ros/` of doc/parameters.md: parameters of the shell only.
 struct RosConfig {
-  bool approximate_sync = false;        ///< Pair images whose stamps differ; false: equal stamps only.
-  double sync_slop_s = 0.01;            ///< Largest difference within a pair when approximate_sync.
-  int sync_queue = 10;                  ///< Images and CameraInfos that wait for their partners, per topic.
-  std::string gravity_frame = "odom";   ///< Fixed frame of tf, z up: says where up is.
-  double watchdog_s = 0.5;              ///< After this long without a verdict, UNKNOWN is published.
-  double tf_timeout_s = 0.05;           ///< Wait for a pose at an image's stamp.
-  std::string image_transport = "raw";  ///< Transport of the incoming images.
-  double scale = 1.0;                   ///< Of the images that are processed: 1, 0.5, 0.25 or 0.125.
+  bool approximate_sync = false;
+  double sync_slop_s = 0.01;
+  int sync_queue = 10;
+  std::string gravity_frame = "odom";
+  double watchdog_s = 0.5;
+  double tf_timeout_s = 0.05;
+  std::string image_transport = "raw";
+  double scale = 1.0;
 };
-flight_corridor::Violations check(const RosConfig& config);
 
 /// The whole configuration: the core's sections and the shell's.
 struct NodeConfig {
@@ -26,6 +26,9 @@ struct NodeConfig {
   RosConfig ros;
   std::string mask;  ///< `stereo/mask`: image file, see readOwnParts(); "": nothing of the UAV is in view.
 };
+
+/// The core's table and the shell's rows.
+std::vector<flight_corridor::Table> tablesOf(NodeConfig& config);
 
 /// Configuration with these values, defaults elsewhere. An int is accepted where a double is expected, not the reverse.
 /// @throws std::invalid_argument listing every unknown key, wrong type and broken rule, with key, rule and value.

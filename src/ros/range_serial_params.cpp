@@ -5,7 +5,6 @@
 #include <optional>
 #include <sstream>
 
-#include "ros/fields.hpp"
 #include "serial/serial_port.hpp"
 
 namespace flight_corridor_ros {
@@ -13,6 +12,9 @@ namespace flight_corridor_ros {
 namespace {
 
 namespace serial = flight_corridor::serial;
+using flight_corridor::above;
+using flight_corridor::from;
+using flight_corridor::Rule;
 using flight_corridor::Violations;
 
 constexpr double kMostRequests_hz = 100.0;
@@ -80,34 +82,30 @@ std::optional<std::string> parseWake(const std::string& text) {
   return bytes;
 }
 
-/// Also refuses NaN: each rule states the accepted values.
-Violations check(const RangeSerialConfig& c) {
-  Violations broken;
-  const auto require = [&broken](bool holds, const std::string& key, const std::string& rule, const Value& value) {
-    if (!holds) broken.push_back(key + ": " + rule + " (" + describe(value) + ")");
-  };
+flight_corridor::Parameters parametersOf(RangeSerialConfig& c) {
   const auto& rates = serial::baudRates();
   const auto units = unitsOf(c.protocol);
-  require(!c.port.empty(), "port", "a device, e.g. /dev/ttyUSB0", c.port);
-  require(std::find(rates.begin(), rates.end(), c.baud) != rates.end(), "baud", baudNames(), c.baud);
-  require(!c.frame_id.empty() && c.frame_id.front() != '/', "frame_id", "a frame's name without a leading slash",
-          c.frame_id);
-  require(0.0 < c.field_of_view_rad && c.field_of_view_rad < 1.0, "field_of_view_rad", "above 0, below 1",
-          c.field_of_view_rad);
-  require(0.0 <= c.limits.min_range_m && c.limits.min_range_m < c.limits.max_range_m, "min_range_m",
-          "0 or more, below max_range_m", c.limits.min_range_m);
-  require(c.limits.max_range_m <= 1000.0, "max_range_m", "up to 1000", c.limits.max_range_m);
-  require(0.0 <= c.limits.strength_min && std::isfinite(c.limits.strength_min), "strength_min", "0 or more, finite",
-          c.limits.strength_min);
-  require(hasStrength(c.protocol) || c.limits.strength_min == 0.0, "strength_min",
-          "0: protocol " + std::string(toString(c.protocol)) + " reports no strength", c.limits.strength_min);
-  require(std::count(units.begin(), units.end(), c.unit) > 0, "unit", unitNames(c.protocol), c.unit);
-  require(parseWake(c.wake).has_value(), "wake", "bytes, each from 0x00 to 0xFF, or a text", c.wake);
-  require(0.0 <= c.request_hz && c.request_hz <= kMostRequests_hz, "request_hz", "0 to 100", c.request_hz);
-  require(!requestOf(c.protocol).empty() || c.request_hz == 0.0, "request_hz",
-          "0: protocol " + std::string(toString(c.protocol)) + " cannot be polled", c.request_hz);
-  require(0.1 <= c.silence_s && c.silence_s <= 3600.0, "silence_s", "0.1 to 3600", c.silence_s);
-  return broken;
+  const std::string protocol = "0: protocol " + std::string(toString(c.protocol));
+  const bool is_frame = !c.frame_id.empty() && c.frame_id.front() != '/';
+  const double nearest_m = c.limits.min_range_m, strength = c.limits.strength_min;
+  return {{"port", &c.port, Rule().where(!c.port.empty(), "a device, e.g. /dev/ttyUSB0")},
+          {"baud", &c.baud, Rule().where(std::count(rates.begin(), rates.end(), c.baud) > 0, baudNames())},
+          {"frame_id", &c.frame_id, Rule().where(is_frame, "a frame's name without a leading slash")},
+          {"field_of_view_rad", &c.field_of_view_rad, above(0).below(1)},
+          {"min_range_m", &c.limits.min_range_m,
+           Rule().where(0.0 <= nearest_m && nearest_m < c.limits.max_range_m, "0 or more, below max_range_m")},
+          {"max_range_m", &c.limits.max_range_m, Rule().where(c.limits.max_range_m <= 1000.0, "up to 1000")},
+          {"strength_min", &c.limits.strength_min,
+           Rule()
+               .where(0.0 <= strength && std::isfinite(strength), "0 or more, finite")
+               .where(hasStrength(c.protocol) || strength == 0.0, protocol + " reports no strength")},
+          {"unit", &c.unit, Rule().where(std::count(units.begin(), units.end(), c.unit) > 0, unitNames(c.protocol))},
+          {"wake", &c.wake, Rule().where(parseWake(c.wake).has_value(), "bytes, each from 0x00 to 0xFF, or a text")},
+          {"request_hz", &c.request_hz,
+           from(0)
+               .upTo(kMostRequests_hz)
+               .where(!requestOf(c.protocol).empty() || c.request_hz == 0.0, protocol + " cannot be polled")},
+          {"silence_s", &c.silence_s, from(0.1).upTo(3600)}};
 }
 
 }  // namespace
@@ -122,19 +120,8 @@ RangeSerialConfig makeRangeSerialConfig(const Values& values) {
   config.unit = unitsOf(config.protocol).front();
   Values others = values;
   others.erase("protocol");
-  const Fields fields{{"port", &config.port},
-                      {"baud", &config.baud},
-                      {"frame_id", &config.frame_id},
-                      {"field_of_view_rad", &config.field_of_view_rad},
-                      {"min_range_m", &config.limits.min_range_m},
-                      {"max_range_m", &config.limits.max_range_m},
-                      {"strength_min", &config.limits.strength_min},
-                      {"unit", &config.unit},
-                      {"wake", &config.wake},
-                      {"request_hz", &config.request_hz},
-                      {"silence_s", &config.silence_s}};
-  const Violations unassigned = assign(others, fields);
-  for (const Violations& part : {unassigned, check(config)}) broken.insert(broken.end(), part.begin(), part.end());
+  const Violations others_broken = flight_corridor::assign(others, [&config] { return parametersOf(config); });
+  broken.insert(broken.end(), others_broken.begin(), others_broken.end());
   flight_corridor::throwIfBroken(broken);
   config.wake = parseWake(config.wake).value();
   return config;

@@ -4,7 +4,6 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -16,36 +15,18 @@ namespace {
 using dynamic_reconfigure::Config;
 using dynamic_reconfigure::ConfigDescription;
 
-/// A parameter that may change in flight. The limits are those of a slider; the rules are check()'s.
-struct Changeable {
-  const char* key;
-  double min, max;
-  const char* description;
-};
-
-constexpr std::array<Changeable, 8> kChangeable{{
-    {"corridor/width_m", 0.1, 5.0, "[m] width of the corridor's box"},
-    {"corridor/height_m", 0.1, 5.0, "[m] height of the corridor's box"},
-    {"corridor/length_m", 0.5, 20.0, "[m] D_min: nearer obstacles block"},
-    {"corridor/margin_m", 0.0, 2.0, "[m] added on every side and at the end"},
-    {"corridor/smallest_obstacle_m", 0.0, 0.5, "[m] edge of a square: smaller patches of matches are dropped"},
-    {"corridor/hold_s", 0.0, 5.0, "[s] no FREE for this long after an obstacle that images may miss"},
-    {"corridor/max_age_s", 0.05, 5.0, "[s] older evidence: UNKNOWN"},
-    {"ros/watchdog_s", 0.1, 5.0, "[s] after this long without a verdict, UNKNOWN is published"},
-}};
-
-dynamic_reconfigure::DoubleParameter named(const char* key, double value) {
-  dynamic_reconfigure::DoubleParameter parameter;
-  parameter.name = key;
-  parameter.value = value;
-  return parameter;
-}
+using flight_corridor::Parameter;
+using flight_corridor::Parameters;
 
 /// The changeable parameters with the values that a function gives, in the one group that clients expect.
 template <typename ValueOf>
-Config toMessage(ValueOf valueOf) {
+Config toMessage(NodeConfig config, ValueOf valueOf) {
   Config message;
-  for (const Changeable& parameter : kChangeable) message.doubles.push_back(named(parameter.key, valueOf(parameter)));
+  for (const Parameter& parameter : changeable(config)) {
+    message.doubles.emplace_back();
+    message.doubles.back().name = parameter.key;
+    message.doubles.back().value = valueOf(parameter);
+  }
   message.groups.emplace_back();
   message.groups.back().name = "Default";
   message.groups.back().state = true;
@@ -53,24 +34,24 @@ Config toMessage(ValueOf valueOf) {
 }
 
 Config toMessage(const NodeConfig& config) {
-  const Values values = toValues(config);
-  return toMessage([&](const Changeable& parameter) { return std::get<double>(values.at(parameter.key)); });
+  return toMessage(config, [](const Parameter& parameter) { return *std::get<double*>(parameter.field); });
 }
 
 ConfigDescription describeParameters() {
+  NodeConfig defaults;
   ConfigDescription message;
   message.groups.emplace_back();
   message.groups.back().name = "Default";
-  for (const Changeable& parameter : kChangeable) {
+  for (const Parameter& parameter : changeable(defaults)) {
     dynamic_reconfigure::ParamDescription description;
     description.name = parameter.key;
     description.type = "double";
-    description.description = parameter.description;
+    description.description = parameter.meaning;
     message.groups.back().parameters.push_back(description);
   }
-  message.min = toMessage([](const Changeable& parameter) { return parameter.min; });
-  message.max = toMessage([](const Changeable& parameter) { return parameter.max; });
-  message.dflt = toMessage(NodeConfig());
+  message.min = toMessage(defaults, [](const Parameter& parameter) { return parameter.rule.slider->first; });
+  message.max = toMessage(defaults, [](const Parameter& parameter) { return parameter.rule.slider->second; });
+  message.dflt = toMessage(defaults);
   return message;
 }
 
@@ -81,21 +62,23 @@ std::string inOneLine(std::string text) {
 
 }  // namespace
 
-std::vector<std::string> changeableKeys() {
-  std::vector<std::string> keys;
-  for (const Changeable& parameter : kChangeable) keys.emplace_back(parameter.key);
-  return keys;
+Parameters changeable(NodeConfig& config) {
+  Parameters rows = parametersOf(tablesOf(config));
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [](const Parameter& row) { return !row.rule.slider; }),
+             rows.end());
+  return rows;
 }
 
 NodeConfig changed(const NodeConfig& config, const Config& request) {
   Values values = toValues(config);
+  NodeConfig copy = config;
+  const Values may_change = valuesOf(changeable(copy));
   flight_corridor::Violations fixed;
-  const std::vector<std::string> changeable = changeableKeys();
   const auto take = [&](const auto& parameters) {
     for (const auto& parameter : parameters) {
-      const bool may_change = std::count(changeable.begin(), changeable.end(), parameter.name) > 0;
       const Value value(parameter.value);
-      if (!may_change) fixed.push_back(parameter.name + ": cannot change in flight (" + describe(value) + ")");
+      const std::string complaint = parameter.name + ": cannot change in flight (" + describe(value) + ")";
+      if (may_change.count(parameter.name) == 0) fixed.push_back(complaint);
       values[parameter.name] = value;
     }
   };

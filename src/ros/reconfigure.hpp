@@ -6,16 +6,14 @@
 #include <ros/spinner.h>
 
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "ros/inbox.hpp"
 #include "ros/params.hpp"
 
 namespace flight_corridor_ros {
 
-/// Keys of the parameters that may change in flight.
-std::vector<std::string> changeableKeys();
+/// The rows of the parameters that may change in flight: all are numbers.
+flight_corridor::Parameters changeable(NodeConfig& config);
 
 /// A configuration with the values of a request.
 /// @throws std::invalid_argument naming every key that may not change in flight, else every broken rule.

@@ -12,17 +12,6 @@ namespace {
 
 constexpr int kLevels = 3;  // of maps: a key has two, and one that has more shall be named
 
-struct Describe {
-  std::string operator()(std::monostate) const { return "of a type that no parameter has"; }
-  std::string operator()(bool value) const { return value ? "true" : "false"; }
-  std::string operator()(int value) const { return std::to_string(value); }
-  std::string operator()(double value) const { return YAML::Dump(YAML::Node(value)); }
-  std::string operator()(const std::string& value) const { return "\"" + value + "\""; }
-  std::string operator()(const std::vector<double>& value) const {
-    return "a list of " + std::to_string(value.size()) + " numbers";
-  }
-};
-
 template <typename T>
 bool convert(const YAML::Node& node, Value& value) {
   T converted;
@@ -104,8 +93,6 @@ void write(const ros::NodeHandle& private_node, const std::string& key, const T&
 void write(const ros::NodeHandle&, const std::string&, std::monostate) {}
 
 }  // namespace
-
-std::string describe(const Value& value) { return std::visit(Describe{}, value); }
 
 Values readYaml(const std::string& path) try {
   const YAML::Node file = YAML::LoadFile(path);

@@ -2,17 +2,15 @@
 
 #include <ros/node_handle.h>
 
-#include <map>
 #include <string>
-#include <variant>
-#include <vector>
+
+#include "flight_corridor/parameter.hpp"
 
 namespace flight_corridor_ros {
 
-/// One parameter, typed as in YAML or on the parameter server.
-using Value = std::variant<std::monostate, bool, int, double, std::string, std::vector<double>>;
-/// Parameters by key, "section/name"; monostate: a type that no parameter has.
-using Values = std::map<std::string, Value>;
+using flight_corridor::describe;
+using flight_corridor::Value;
+using flight_corridor::Values;
 
 /// Every parameter of a YAML file.
 /// @throws std::invalid_argument naming the file if it is missing or not a YAML map.
@@ -27,8 +25,5 @@ void writeParameters(const ros::NodeHandle& private_node, const Values& values);
 /// Sets one parameter from "key=value", the value as in YAML.
 /// @throws std::invalid_argument if there is no key or the value is not YAML.
 void setParameter(Values& values, const std::string& key_and_value);
-
-/// A value as text, for messages.
-std::string describe(const Value& value);
 
 }  // namespace flight_corridor_ros

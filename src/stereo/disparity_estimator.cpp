@@ -40,19 +40,6 @@ const StereoConfig& valid(const StereoConfig& config, const StereoGeometry& geom
 
 }  // namespace
 
-Violations check(const StereoConfig& config) {
-  Rules rules("stereo");
-  rules.require(0 < config.num_disparities_px && config.num_disparities_px <= kLargestDisparities &&
-                    config.num_disparities_px % 32 == 0,
-                "num_disparities_px", "a multiple of 32, up to " + std::to_string(kLargestDisparities),
-                config.num_disparities_px);
-  rules.require(0.0 <= config.min_matched_fraction && config.min_matched_fraction <= 1.0, "min_matched_fraction",
-                "0 to 1", config.min_matched_fraction);
-  const bool is_known = config.device == "cpu" || config.device == "gpu" || config.device == "auto";
-  rules.require(is_known, "device", "cpu, gpu or auto", config.device);
-  return rules.broken();
-}
-
 void requireDevice(const StereoConfig& config, const DeviceMatcherFactory& make_device_matcher) {
   if (config.device != "gpu") return;
   const double width_px = config.num_disparities_px + 64.0, height_px = 64.0;

@@ -9,11 +9,11 @@
 
 namespace flight_corridor {
 
-/// Section `free_areas/`: the directions that are judged, a grid about the corridor's axis.
+/// Section `free_areas/` of doc/parameters.md: the directions that are judged, a grid about the corridor's axis.
 struct FreeAreasConfig {
-  double yaw_rad = 0.5236;    ///< Largest angle to the left and to the right.
-  double pitch_rad = 0.1745;  ///< Largest angle up and down.
-  double step_rad = 0.0873;   ///< From one direction to the next.
+  double yaw_rad = 0.5236;
+  double pitch_rad = 0.1745;
+  double step_rad = 0.0873;
 };
 /// Every broken rule.
 Violations check(const FreeAreasConfig& config);

@@ -4,13 +4,13 @@
 
 namespace flight_corridor {
 
-/// Section `speed/`: how the UAV brakes.
+/// Section `speed/` of doc/parameters.md: how the UAV brakes.
 struct SpeedConfig {
-  double delay_s = 0.3;            ///< From a verdict until the UAV begins to brake; the verdict's age is added.
-  double acceleration_mps2 = 3.0;  ///< Deceleration when it brakes.
-  double jerk_mps3 = 8.0;          ///< With which the deceleration builds up.
-  double margin_m = 0.3;           ///< Left between the stopped UAV and space that is not free.
-  double mover_mps = 1.6;          ///< Speed at which others may move; 0: nothing moves.
+  double delay_s = 0.3;
+  double acceleration_mps2 = 3.0;
+  double jerk_mps3 = 8.0;
+  double margin_m = 0.3;
+  double mover_mps = 1.6;
 };
 /// Every broken rule.
 Violations check(const SpeedConfig& config);

@@ -6,21 +6,21 @@
 
 namespace flight_corridor {
 
-/// Section `map/`: the OctoMap, and the rules for occupied and free cells.
+/// Section `map/` of doc/parameters.md: the OctoMap, and the rules for occupied and free cells.
 struct MapConfig {
-  std::string frame_id;           ///< "" = camera frame, map rebuilt for each image; else the fixed frame, by tf.
-  double resolution_m = 0.10;     ///< Edge of a cell.
-  double max_range_m = 8.0;       ///< Depth up to which evidence is used.
-  double hit_fraction = 0.15;     ///< A cell is hit by at least this share of a full face's points there.
-  int min_hit_points = 4;         ///< ... and by at least this many points.
-  double hit_band_px = 0.12;      ///< Surfaces are moved nearer by this disparity: a match's error.
-  double free_band_px = 0.5;      ///< Space within this disparity before a surface is not cleared.
-  double min_ray_fraction = 0.4;  ///< Share of a cell's view that must hold depth, all past the cell, to clear it.
-  double log_odds_hit = 2.0;      ///< Added for a hit; one hit makes a cell occupied.
-  double log_odds_miss = -1.1;    ///< Added for a miss; two make an occupied cell free.
-  double log_odds_min = -2.0;     ///< Clamping limit below.
-  double log_odds_max = 2.0;      ///< Clamping limit above.
-  double forget_s = 10.0;         ///< In a fixed frame: space without evidence for this long becomes unknown.
+  std::string frame_id;
+  double resolution_m = 0.10;
+  double max_range_m = 8.0;
+  double hit_fraction = 0.15;
+  int min_hit_points = 4;
+  double hit_band_px = 0.12;
+  double free_band_px = 0.5;
+  double min_ray_fraction = 0.4;
+  double log_odds_hit = 2.0;
+  double log_odds_miss = -1.1;
+  double log_odds_min = -2.0;
+  double log_odds_max = 2.0;
+  double forget_s = 10.0;
 };
 Violations check(const MapConfig& config);
 

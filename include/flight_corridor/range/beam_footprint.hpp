@@ -11,12 +11,12 @@
 
 namespace flight_corridor {
 
-/// Section `lidar/`: the one-dimensional LiDAR and its footprint in the left image.
+/// Section `lidar/` of doc/parameters.md: the one-dimensional LiDAR and its footprint in the left image.
 struct LidarConfig {
-  double min_range_m = 0.2;          ///< Nearer readings are refused, even if the message allows them.
-  double max_range_m = 100.0;        ///< Farther readings mean "nothing in range".
-  double min_beam_width_rad = 0.02;  ///< Width of the footprint if the message's field_of_view is smaller.
-  double min_valid_fraction = 0.3;   ///< Share of the footprint's pixels that must carry disparity.
+  double min_range_m = 0.2;
+  double max_range_m = 100.0;
+  double min_beam_width_rad = 0.02;
+  double min_valid_fraction = 0.3;
 };
 Violations check(const LidarConfig& config);
 

@@ -10,16 +10,16 @@
 
 namespace flight_corridor {
 
-/// Section `fusion/`: noise, gate and memory of the range's Kalman filter.
+/// Section `fusion/` of doc/parameters.md: noise, gate and memory of the range's Kalman filter.
 struct FusionConfig {
-  double acceleration_sigma_mps2 = 3.0;     ///< White acceleration noise, per sqrt(Hz); 0 only to reproduce the paper.
-  double lidar_variance_m2 = 0.0005798584;  ///< R of the LiDAR.
-  double stereo_variance_m2 = 0.0;          ///< Constant part of R of the stereo range.
-  double disparity_sigma_px = 0.1;          ///< sigma_d of R_stereo: (Z^2/(fB) sigma_d)^2.
-  double gate_sigma = 4.0;                  ///< Readings farther from the prediction are gated; inf: no gate.
-  double lasting_s = 0.2;                   ///< A sensor that is gated for this long is in persistent disagreement.
-  double max_gap_s = 0.5;                   ///< The state is forgotten after this long without readings.
-  double buffer_s = 0.5;                    ///< Readings that come up to this late are inserted at their own stamps.
+  double acceleration_sigma_mps2 = 3.0;
+  double lidar_variance_m2 = 0.0005798584;
+  double stereo_variance_m2 = 0.0;
+  double disparity_sigma_px = 0.1;
+  double gate_sigma = 4.0;
+  double lasting_s = 0.2;
+  double max_gap_s = 0.5;
+  double buffer_s = 0.5;
 };
 /// Every broken rule.
 Violations check(const FusionConfig& config);

@@ -9,15 +9,15 @@
 
 namespace flight_corridor {
 
-/// Section `scale/`: the rig's possible error, and how it is learnt.
+/// Section `scale/` of doc/parameters.md: the rig's possible error, and how it is learnt.
 struct ScaleConfig {
-  bool enabled = true;                    ///< false: depth is f*B/d as calibrated.
-  double max_correction = 0.15;           ///< Largest relative change of a depth.
-  double prior_sigma = 0.07;              ///< Expected error of the calibration's scale.
-  double offset_prior_sigma_px = 0.7;     ///< Expected error of its disparity offset.
-  double disparity_sigma_px = 0.1;        ///< Sigma of the match in a pair to learn from.
-  double drift_sigma_per_sqrt_s = 0.001;  ///< Slow forgetting of the scale; the offset's in the priors' proportion.
-  double gate_sigma = 3.0;                ///< Pairs farther from the model are not learnt from.
+  bool enabled = true;
+  double max_correction = 0.15;
+  double prior_sigma = 0.07;
+  double offset_prior_sigma_px = 0.7;
+  double disparity_sigma_px = 0.1;
+  double drift_sigma_per_sqrt_s = 0.001;
+  double gate_sigma = 3.0;
 };
 Violations check(const ScaleConfig& config);
 

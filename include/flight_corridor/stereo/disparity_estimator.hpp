@@ -14,11 +14,11 @@
 
 namespace flight_corridor {
 
-/// Section `stereo/`: the matcher.
+/// Section `stereo/` of doc/parameters.md: the matcher.
 struct StereoConfig {
-  int num_disparities_px = 128;        ///< Search range, a multiple of 32.
-  double min_matched_fraction = 0.08;  ///< Fewer matched pixels: no verdict FREE.
-  std::string device = "cpu";          ///< "cpu"; "gpu", by OpenCL; "auto": a GPU if there is one.
+  int num_disparities_px = 128;
+  double min_matched_fraction = 0.08;
+  std::string device = "cpu";
 };
 Violations check(const StereoConfig& config);
 
