@@ -32,7 +32,8 @@ std::vector<fs::path> coreFiles() {
     for (auto entry = fs::recursive_directory_iterator(kSource / root); entry != fs::end(entry); ++entry) {
       const std::string name = entry->path().filename();
       if (name == "ros" || name == "tools") entry.disable_recursion_pending();
-      if (entry->is_regular_file()) files.push_back(entry->path());
+      const bool is_program = name == "main.cpp";  // of any library
+      if (entry->is_regular_file() && !is_program) files.push_back(entry->path());
     }
   }
   return files;

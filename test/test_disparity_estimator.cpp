@@ -229,7 +229,8 @@ TEST(DisparityEstimator, DoesWithoutADeviceThatIsNotThereOrCannotBeUsed) {
   EXPECT_EQ(deviceOf("cpu", kBroken).failure, "");
   EXPECT_EQ(deviceOf("auto", kNone).failure, "");
   EXPECT_EQ(deviceOf("auto", kBroken).failure, "broken");
-  EXPECT_EQ(deviceOf("gpu", {}).failure, deviceOf("gpu", kNone).failure);
+  EXPECT_EQ(deviceOf("auto", {}).failure, "");
+  EXPECT_EQ(deviceOf("gpu", {}).failure, "this program matches on the CPU only");
   EXPECT_EQ(deviceOf("gpu", kNone).failure, "OpenCL finds no GPU: install its driver with OpenCL (clinfo lists it)");
   EXPECT_EQ(deviceOf("gpu", kBroken).failure, "broken");
 }

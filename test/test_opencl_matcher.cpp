@@ -102,7 +102,7 @@ TEST_F(OpenClMatcherTest, ADeviceThatMatchesASampleAsTheCpuDoesIsTaken) {
   StereoConfig config;
   config.device = "gpu";
   EXPECT_NO_THROW(requireDevice(config, makeOpenClMatcher));
-  const DisparityEstimator estimator(config, test_support::kSmallGeometry, 0.1);
+  const DisparityEstimator estimator(config, test_support::kSmallGeometry, 0.1, makeOpenClMatcher);
   EXPECT_EQ(estimator.device().failure, "");
   EXPECT_NE(estimator.device().name, "CPU");
 }

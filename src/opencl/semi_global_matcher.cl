@@ -191,11 +191,12 @@ void judge(__global const ushort* left_codes, __global const ushort* right_codes
     const int first_whole = max(0, right_most - (WIDTH - 1) - MIN_DISPARITY);
     const int last_whole = min(last, left_most - MIN_DISPARITY);
     farthest[at] = nearest[at] = 0;
-    if (!(flags[at] & kConsistent)) continue;
+    uchar found = flags[at];
+    if (!(found & kConsistent)) continue;
     int worse = 0;
     for (int d = first_whole; d <= last_whole; ++d) worse += costs[d] >= best + kClearlyWorse;
     if (winner < first_whole || winner > last_whole || 2 * worse < last_whole - first_whole + 1) continue;
-    flags[at] |= kDistinct;
+    found |= kDistinct;
     int upper = winner + 1, lower = winner - 1;  // the first barriers on either side
     while (upper <= last && costs[upper] < best + kBarrier) ++upper;
     while (lower >= 0 && costs[lower] < best + kBarrier) --lower;
@@ -206,10 +207,12 @@ void judge(__global const ushort* left_codes, __global const ushort* right_codes
       first = min(first, d);
       end = d;
     }
-    if (end < 0) continue;
-    flags[at] |= first < winner ? kCompetitor | kRepeated : kCompetitor;
-    farthest[at] = (uchar)first;
-    nearest[at] = (uchar)end;
+    if (end >= 0) {
+      found |= first < winner ? kCompetitor | kRepeated : kCompetitor;
+      farthest[at] = (uchar)first;
+      nearest[at] = (uchar)end;
+    }
+    flags[at] = found;
   }
 }
 

@@ -62,6 +62,7 @@ DisparityEstimator::DisparityEstimator(const StereoConfig& config, const StereoG
     const MatcherSize size = matcherSize(geometry, num_disparities_);
     auto matcher = make_device_matcher ? make_device_matcher(size) : nullptr;
     if (!matcher && config.device == "auto") return;
+    if (!make_device_matcher) throw DeviceError("this program matches on the CPU only");
     if (!matcher) throw DeviceError("OpenCL finds no GPU: install its driver with OpenCL (clinfo lists it)");
     requireSameMatches(*matcher, matcher_, size);
     device_.name = matcher->name();
