@@ -22,7 +22,8 @@ class Replay:
         self.key = self.address()
 
     def address(self):
-        program = tool_digest("replay", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor")
+        program = tool_digest("replay", "flight_corridor_programs", "flight_corridor_tools", "flight_corridor_ros",
+                              "flight_corridor")
         return "replay_" + digest(program, self.config, *self.overrides, *self.options)
 
     def judge(self, bag, folder):
@@ -55,7 +56,8 @@ class Flight(Job):
         self.truth, self.bag = self.folder / "truth.csv", self.folder / "flight.bag"
 
     def address(self):
-        program = tool_digest("simulate", "flight_corridor_tools", "flight_corridor_ros", "flight_corridor_sim")
+        program = tool_digest("simulate", "flight_corridor_programs", "flight_corridor_tools", "flight_corridor_ros",
+                              "flight_corridor_sim")
         return CACHE / f"{self.family}_{self.seed}_{digest(program, *self.options)}"
 
     def is_current(self):

@@ -58,7 +58,9 @@ class Recording:
         """The folder as a bag, without its ranges: some are computed from the truth, they judge and do not help."""
         files = [(path, path.stat().st_size, path.stat().st_mtime_ns) for path in sorted(self.folder.rglob("*"))
                  if path.is_file()]
-        name = digest(tool_digest("import_folder", "flight_corridor_tools", "flight_corridor_ros"), *files)
+        program = tool_digest("import_folder", "flight_corridor_programs", "flight_corridor_tools",
+                              "flight_corridor_ros")
+        name = digest(program, *files)
         place = CACHE / "recordings" / digest(str(self.folder))
         bag = place / f"{name}.bag"
         if bag.exists():

@@ -21,16 +21,16 @@ class ToolError(Exception):
 @functools.lru_cache(maxsize=None)
 def find_tool(name):
     """A program, built from the code that is there: figures of an older one would pass for this one's."""
-    if not (PROGRAMS / name if AS_BUILT in os.environ else WORKSPACE / "build" / "Makefile").exists():
+    if not (PROGRAMS / name if AS_BUILT in os.environ else WORKSPACE / "build" / "CMakeCache.txt").exists():
         raise ToolError(f"{PROGRAMS / name} is not built: run ./scripts/setup")
     if AS_BUILT in os.environ:
         return PROGRAMS / name
     with open(WORKSPACE / "build" / "scripts.lock", "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # two at once would spoil each other's files
-        done = subprocess.run(["make", "-C", WORKSPACE / "build", f"-j{os.cpu_count()}", name], capture_output=True,
-                              text=True, check=False)
+        done = subprocess.run(["cmake", "--build", WORKSPACE / "build", "-j", str(os.cpu_count()), "--target", name],
+                              capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise ToolError(f"{name} does not build:\n{done.stderr.strip()}")
+        raise ToolError(f"{name} does not build:\n{(done.stdout + done.stderr).strip()}")
     return PROGRAMS / name
 
 

@@ -18,7 +18,7 @@ Rule frameOrNone(const std::string& name) {
 // The table: key and field, rule, unit and meaning, tier.
 #define FIELD(name) #name, &c.name
 
-Table tableOf(StereoConfig& c) {
+ParameterTable tableOf(StereoConfig& c) {
   const bool is_searchable =
       0 < c.num_disparities_px && c.num_disparities_px <= kLargestDisparities && c.num_disparities_px % 32 == 0;
   const bool is_device = c.device == "cpu" || c.device == "gpu" || c.device == "auto";
@@ -33,7 +33,7 @@ Table tableOf(StereoConfig& c) {
             "cpu, gpu (by OpenCL, bit-identical results), or auto: a GPU if there is one", Tier::Configure}}};
 }
 
-Table tableOf(LidarConfig& c) {
+ParameterTable tableOf(LidarConfig& c) {
   return {"lidar",
           "The one-dimensional LiDAR and its footprint in the left image",
           {{FIELD(min_range_m), from(0), "[m] nearer readings are refused, even if the message allows them",
@@ -46,7 +46,7 @@ Table tableOf(LidarConfig& c) {
             "[0..1] share of the footprint's pixels that must carry disparity"}}};
 }
 
-Table tableOf(FusionConfig& c) {
+ParameterTable tableOf(FusionConfig& c) {
   return {
       "fusion",
       "Kalman filter of the range on the beam: d_K",
@@ -58,12 +58,12 @@ Table tableOf(FusionConfig& c) {
         from(0).where(c.stereo_variance_m2 + c.disparity_sigma_px > 0.0, "positive if stereo_variance_m2 is 0"),
         "[px] sigma of a match; adds (depth^2 / (focal length * baseline) * this)^2 to stereo_variance_m2", Tier::Tune},
        {FIELD(gate_sigma), above(0), "[sigma] readings farther from the prediction are gated; .inf: no gate"},
-       {FIELD(lasting_s), above(0), "[s] a sensor that is gated for this long is in persistent disagreement"},
-       {FIELD(max_gap_s), above(0), "[s] the state is forgotten after this long without readings"},
+       {FIELD(lasting_s), above(0), "[s] a sensor that measures another surface for this long is in persistent disagreement"},
+       {FIELD(max_gap_s), above(0), "[s] a surface is forgotten after this long without readings of it"},
        {FIELD(buffer_s), above(0), "[s] readings that come up to this late are inserted at their own stamps"}}};
 }
 
-Table tableOf(ScaleConfig& c) {
+ParameterTable tableOf(ScaleConfig& c) {
   return {"scale",
           "Correction of stereo's depth with d_K",
           {{FIELD(enabled), Rule(), "false: depth is f*B/d as calibrated", Tier::Tune},
@@ -76,7 +76,7 @@ Table tableOf(ScaleConfig& c) {
            {FIELD(gate_sigma), above(0), "[sigma] pairs of ranges farther from the model are not learnt from"}}};
 }
 
-Table tableOf(CloudConfig& c) {
+ParameterTable tableOf(CloudConfig& c) {
   return {"cloud",
           "The published point cloud",
           {{FIELD(max_range_m), above(0), "[m] farther points are left out", Tier::Tune},
@@ -86,7 +86,7 @@ Table tableOf(CloudConfig& c) {
 }
 
 /// @param box_end_m what the map shall reach, if known.
-Table tableOf(MapConfig& c, double box_end_m = 0.0) {
+ParameterTable tableOf(MapConfig& c, double box_end_m = 0.0) {
   return {
       "map",
       "OctoMap",
@@ -120,7 +120,7 @@ Table tableOf(MapConfig& c, double box_end_m = 0.0) {
         Tier::Tune}}};
 }
 
-Table tableOf(CorridorConfig& c) {
+ParameterTable tableOf(CorridorConfig& c) {
   return {
       "corridor",
       "The UAV-sized box ahead",
@@ -159,7 +159,7 @@ Table tableOf(CorridorConfig& c) {
 }
 
 /// @param box_m length of the box, if known.
-Table tableOf(SpeedConfig& c, double box_m = kInfinity) {
+ParameterTable tableOf(SpeedConfig& c, double box_m = kInfinity) {
   return {
       "speed",
       "How the UAV brakes: safe_speed",
@@ -175,7 +175,7 @@ Table tableOf(SpeedConfig& c, double box_m = kInfinity) {
         Tier::Configure}}};
 }
 
-Table tableOf(FreeAreasConfig& c) {
+ParameterTable tableOf(FreeAreasConfig& c) {
   const double directions = (2.0 * c.yaw_rad / c.step_rad + 1.0) * (2.0 * c.pitch_rad / c.step_rad + 1.0);
   return {
       "free_areas",
@@ -205,7 +205,7 @@ Violations check(const CorridorConfig& config) { return checked(config); }
 Violations check(const SpeedConfig& config) { return checked(config); }
 Violations check(const FreeAreasConfig& config) { return checked(config); }
 
-std::vector<Table> tablesOf(Config& c) {
+std::vector<ParameterTable> tablesOf(Config& c) {
   const double box_m = c.corridor.length_m + c.corridor.margin_m;
   return {tableOf(c.stereo),   tableOf(c.lidar),        tableOf(c.fusion),
           tableOf(c.scale),    tableOf(c.cloud),        tableOf(c.map, std::max(0.0, c.corridor.offset_m.x()) + box_m),

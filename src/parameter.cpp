@@ -76,6 +76,7 @@ bool contains(const Rule& rule, double value) {
 std::string describeRange(const Rule& rule) {
   const std::string least = describe(rule.least), most = describe(rule.most);
   if (rule.least == -kInfinity && rule.most == kInfinity) return "";
+  if (rule.least == -kInfinity && rule.may_be_most) return "up to " + most;
   if (rule.least == -kInfinity) return rule.most == 0.0 ? "negative" : "below " + most;
   if (rule.most == kInfinity && rule.least == 0.0) return rule.may_be_least ? "not negative" : "positive";
   if (rule.most == kInfinity) return rule.may_be_least ? least + " or more" : "above " + least;
@@ -93,9 +94,9 @@ std::string describe(const Rule& rule) {
   return words;
 }
 
-Parameters parametersOf(const std::vector<Table>& tables) {
+Parameters parametersOf(const std::vector<ParameterTable>& tables) {
   Parameters all;
-  for (const Table& table : tables) {
+  for (const ParameterTable& table : tables) {
     for (const Parameter& row : table.rows) {
       all.push_back(row);
       all.back().key = table.name + "/" + row.key;

@@ -131,9 +131,9 @@ TEST(CellEvidence, AFewPointsFarAwayAreNoHit) {
 }
 
 TEST(CellEvidence, PointsBeyondTheRangeAreNoHits) {
-  for (const auto& [cell, log_odds] : evidenceOf(wallDepth(kSmallGeometry.size(), 9.05), withoutHitBand())) {
-    EXPECT_LT(log_odds, 0.0f);
-  }
+  const auto cells = evidenceOf(wallDepth(kSmallGeometry.size(), 9.05), withoutHitBand());
+  ASSERT_FALSE(cells.empty());
+  for (const auto& [cell, log_odds] : cells) EXPECT_LT(log_odds, 0.0f);
 }
 
 }  // namespace

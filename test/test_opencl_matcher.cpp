@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "flight_corridor/stereo/disparity_estimator.hpp"
-#include "opencl/opencl_matcher.hpp"
+#include "flight_corridor/opencl/opencl_matcher.hpp"
 #include "support/calibrations.hpp"
 #include "support/matcher_cases.hpp"
 

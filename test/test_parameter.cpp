@@ -21,6 +21,7 @@ TEST(Parameter, RangesAreNamedByTheirWords) {
       {from(1), "1 or more"},
       {above(1), "above 1"},
       {below(1), "below 1"},
+      {Rule().upTo(1), "up to 1"},
       {from(0.1).upTo(3600), "0.1 to 3600"},
       {from(-10).below(0), "-10 to below 0"},
       {above(0).upTo(20), "above 0, up to 20"},

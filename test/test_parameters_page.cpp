@@ -67,7 +67,7 @@ std::pair<std::string, std::string> printed() {
       "key.\n";
   std::string page;
   NodeConfig defaults;
-  for (const flight_corridor::Table& table : tablesOf(defaults)) {
+  for (const flight_corridor::ParameterTable& table : tablesOf(defaults)) {
     yaml += "\n" + padded(table.name + ":") + "# " + table.meaning + "\n";
     page += "\n## " + table.name + "\n\n" + table.meaning +
             ".\n\n| key | default | unit | rule | tier | meaning |\n|---|---|---|---|---|---|\n";

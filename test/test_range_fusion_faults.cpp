@@ -217,6 +217,37 @@ TEST(RangeFusionFaults, ALoneOutlierOfASlowLidarIsNoDisagreement) {
   }
 }
 
+/// The wall behind, as stereo sees it, which the LiDAR meets in every fifth reading.
+TEST(RangeFusionFaults, ALoneFartherReadingOfTheLidarDoesNotLeaveWhatItSeesNearer) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 200; ++i) {
+    const double stamp = 0.05 * i;
+    fusion.add(Sensor::Lidar, stamp, i % 5 == 2 ? 8.0 : 3.0, kLidarVariance_m2);
+    if (i % 2 == 0) fusion.add(Sensor::Stereo, stamp, 8.0, kStereoVariance_m2);
+    if (stamp > 1.0) EXPECT_NEAR(fusion.at(stamp).range_m, 3.0, 0.2) << stamp;
+  }
+}
+
+TEST(RangeFusionFaults, OutliersOfTheLidarDoNotHideANewSurfaceOfStereos) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i < 150; ++i) {  // 50 Hz, and stereo at 10 Hz, which comes to see 3 m
+    const double stamp = 0.02 * i;
+    const bool is_outlier = stamp > 1.0 && i % 5 != 0 && i % 5 < 3;
+    fusion.add(Sensor::Lidar, stamp, is_outlier ? 1.0 + 0.7 * (i % 11) + 10.0 : 6.0, kLidarVariance_m2);
+    if (i % 5 == 0) fusion.add(Sensor::Stereo, stamp, stamp < 1.0 ? 6.0 : 3.0, kStereoVariance_m2);
+    if (stamp > 1.5) EXPECT_NEAR(fusion.at(stamp).range_m, 3.0, 0.3) << stamp;
+  }
+}
+
+TEST(RangeFusionFaults, TwoReadingsInOneMomentAreNotPersistent) {
+  RangeFusion fusion((FusionConfig()));
+  for (int i = 0; i <= 10; ++i) fusion.add(Sensor::Stereo, 0.1 * i, 6.0, kStereoVariance_m2);
+  fusion.add(Sensor::Lidar, 1.01, 3.0, kLidarVariance_m2);
+  fusion.add(Sensor::Lidar, 1.02, 3.0, kLidarVariance_m2);
+  EXPECT_NEAR(fusion.at(1.02).range_m, 6.0, 0.2);
+  EXPECT_FALSE(fusion.at(1.02).disagreement.has_value());
+}
+
 TEST(RangeFusionFaults, ASlowCameraTooRulesWhenItIsNearer) {
   RangeFusion fusion((FusionConfig()));
   for (int i = 0; i < 200; ++i) {  // a LiDAR 9 m off while stereo, at 5 Hz, saw nothing for a while

@@ -32,7 +32,7 @@ struct Config {
   FreeAreasConfig free_areas;
 };
 /// The one table of the parameters: what may be set, what it may be, and what it means.
-std::vector<Table> tablesOf(Config& config);
+std::vector<ParameterTable> tablesOf(Config& config);
 /// Every broken rule of every section, and between them.
 Violations check(const Config& config);
 

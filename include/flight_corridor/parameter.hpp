@@ -59,12 +59,12 @@ struct Parameter {
 using Parameters = std::vector<Parameter>;
 
 /// The table of one configuration struct.
-struct Table {
+struct ParameterTable {
   std::string name, meaning;
   Parameters rows;  ///< Keys without the table's name.
 };
 /// The rows of all tables, keys as "name/key".
-Parameters parametersOf(const std::vector<Table>& tables);
+Parameters parametersOf(const std::vector<ParameterTable>& tables);
 
 /// Puts values into the fields of a table. An int is accepted where a double is expected, not the reverse.
 /// @param makeTable is called before and after: a row's rule is of the values at that time.

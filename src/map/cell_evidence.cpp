@@ -150,7 +150,7 @@ void CellEvidence::project(const Eigen::Vector3f& corner) {
 }
 
 bool CellEvidence::isFree(int cell) {
-  if (inside_[cell] < 0.0f) return false;
+  if (!(inside_[cell] >= 0.0f)) return false;
   const int left = static_cast<int>(low_(cell, 0)), top = static_cast<int>(low_(cell, 1));
   const int right = static_cast<int>(high_(cell, 0)) + 1, bottom = static_cast<int>(high_(cell, 1)) + 1;
   // Two squares cover a rectangle; they are larger than it if one would not do to half of it.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "opencl/opencl_matcher.hpp"
+#include "flight_corridor/opencl/opencl_matcher.hpp"
 #include "opencl/kernel_source.hpp"
 #include "opencl/kernels.hpp"
 

@@ -91,8 +91,8 @@ Outcome RangeFusion::update(Filter& filter, const Reading& reading) const {
     surface = known ? predicted(surface, filter, reading.stamp_s) : Surface();
   }
   if (reading.kind != Kind::Acceleration) {
-    const bool refused = isFrozen(filter.repetition, filter.surfaces[0], reading);
-    return refused ? Outcome::Gated : fuse(filter, reading);
+    const bool is_frozen = watchRepetition(filter.repetition, filter.surfaces[0], reading);
+    return is_frozen ? Outcome::Gated : fuse(filter, reading);
   }
   filter.acceleration_s = reading.stamp_s;
   filter.acceleration_mps2 = reading.value;
@@ -124,8 +124,8 @@ Outcome RangeFusion::fuse(Filter& filter, const Reading& reading) const {
 }
 
 /// Corrects the surface followed if the reading fits it, else the challenger that it fits; while the sensor is
-/// elsewhere, whichever it fits best: else the range would alternate. If it fits none, it begins one, in place of the
-/// challenger not seen for longest.
+/// elsewhere, whichever it fits best: else the range would alternate. If it fits none, it begins one, in place of a
+/// challenger that only this sensor saw, or else of the one not seen for longest.
 RangeFusion::Surface& RangeFusion::surfaceOf(Filter& filter, const Reading& reading) const {
   const std::size_t sensor = sensorOf(reading);
   const bool is_elsewhere = elsewhere(filter, sensor, reading.stamp_s) != nullptr;
@@ -143,9 +143,12 @@ RangeFusion::Surface& RangeFusion::surfaceOf(Filter& filter, const Reading& read
   } else {
     const Eigen::Vector2d mean(reading.value, surfaces[0].mean[1]);  // the rate is mostly the rig's own: it stays
     const Eigen::Vector2d variances(reading.variance_m2, squared(kRateSigma_mps));
+    const auto needed = [&](const Surface& surface) {
+      return std::make_pair(surface.readings[1 - sensor] > 0, surface.lastSeen());
+    };
     seen = std::min_element(surfaces.begin() + (surfaces[0].count() > 0 ? 1 : 0), surfaces.end(),
-                            [](const Surface& a, const Surface& b) { return a.lastSeen() < b.lastSeen(); });
-    *seen = {reading.stamp_s, mean, variances.asDiagonal(), reading.common_sigma_1pm};
+                            [&](const Surface& a, const Surface& b) { return needed(a) < needed(b); });
+    *seen = {reading.stamp_s, mean, variances.asDiagonal(), reading.common_sigma_1pm, reading.stamp_s};
   }
   ++seen->readings[sensor];
   seen->period_s[sensor] = reading.stamp_s - seen->seen_s[sensor];
@@ -187,7 +190,8 @@ const RangeFusion::Surface* RangeFusion::elsewhere(const Filter& filter, std::si
   const Surface* newest = nullptr;
   for (const Surface& surface : filter.surfaces) {
     const double seen_s = surface.seen_s[sensor];
-    const bool persists = seen_s - followed_s >= config_.lasting_s && stamp_s - seen_s <= config_.max_gap_s;
+    const double persistent_s = seen_s - std::max(followed_s, surface.begun_s);
+    const bool persists = persistent_s >= config_.lasting_s && stamp_s - seen_s <= config_.max_gap_s;
     if (surface.isConfirmed() && persists && !(newest && seen_s < newest->seen_s[sensor])) newest = &surface;
   }
   return newest;
@@ -201,16 +205,16 @@ bool RangeFusion::replaces(const Surface& challenger, const Filter& filter, cons
   if (!challenger.isConfirmed() || !followed.isConfirmed()) return challenger.count() > followed.count();
   const std::size_t own = sensorOf(reading), other = 1 - own;
   const bool nearer = challenger.mean[0] < followed.mean[0];
-  if (challenger.seen_s[other] > followed.seen_s[other]) return nearer || challenger.readings[0] > 1;
-  const double silent_s = reading.stamp_s - followed.seen_s[other] - config_.lasting_s;  // but for its period
+  if (challenger.seen_s[other] > followed.seen_s[other]) return nearer || challenger.seen_s[0] - challenger.period_s[0] > followed.seen_s[0];
+  const double silent_s = reading.stamp_s - followed.seen_s[other] - config_.lasting_s;  // more than a period is silence
   const bool held =
       silent_s <= std::min(followed.period_s[other], config_.max_gap_s) && !elsewhere(filter, other, reading.stamp_s);
   return elsewhere(filter, own, reading.stamp_s) && (nearer || !held);
 }
 
-/// Whether a reading is a frozen LiDAR's: it repeats itself while the range goes on changing, or stereo moves. A LiDAR
+/// Notes a reading.  @return whether it is a frozen LiDAR's: it repeats itself while the range goes on changing, or stereo moves. A LiDAR
 /// that was nearer than stereo from the start is not: glass before a moving scene.
-bool RangeFusion::isFrozen(Repetition& repetition, const Surface& followed, const Reading& reading) const {
+bool RangeFusion::watchRepetition(Repetition& repetition, const Surface& followed, const Reading& reading) const {
   if (reading.kind == Kind::Stereo) {
     if (std::isnan(repetition.stereo.value)) repetition.stereo = reading;
     const bool counts = !repetition.isFrozen() && reading.stamp_s - repetition.lidar.stamp_s >= config_.lasting_s;

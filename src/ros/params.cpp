@@ -10,10 +10,10 @@ namespace {
 using flight_corridor::above;
 using flight_corridor::from;
 using flight_corridor::Rule;
-using flight_corridor::Table;
+using flight_corridor::ParameterTable;
 using flight_corridor::Tier;
 
-Table tableOf(RosConfig& c) {
+ParameterTable tableOf(RosConfig& c) {
   const bool is_frame = c.gravity_frame.find_first_not_of('/') != std::string::npos;
   return {"ros",
           "The node",
@@ -36,8 +36,8 @@ Table tableOf(RosConfig& c) {
 
 }  // namespace
 
-std::vector<Table> tablesOf(NodeConfig& config) {
-  std::vector<Table> tables = flight_corridor::tablesOf(config.core);
+std::vector<ParameterTable> tablesOf(NodeConfig& config) {
+  std::vector<ParameterTable> tables = flight_corridor::tablesOf(config.core);
   tables.front().rows.push_back({"mask", &config.mask, Rule(),
                                  "image file of the left image's size, black where the UAV's own parts cover the view: "
                                  "there is neither obstacle nor clear view; \"\": nothing of it is in view",

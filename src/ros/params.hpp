@@ -28,7 +28,7 @@ struct NodeConfig {
 };
 
 /// The core's table and the shell's rows.
-std::vector<flight_corridor::Table> tablesOf(NodeConfig& config);
+std::vector<flight_corridor::ParameterTable> tablesOf(NodeConfig& config);
 
 /// Configuration with these values, defaults elsewhere. An int is accepted where a double is expected, not the reverse.
 /// @throws std::invalid_argument listing every unknown key, wrong type and broken rule, with key, rule and value.

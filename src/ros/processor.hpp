@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "flight_corridor/pipeline.hpp"
-#include "opencl/opencl_matcher.hpp"
+#include "flight_corridor/opencl/opencl_matcher.hpp"
 #include "ros/conversions.hpp"
 #include "ros/imu.hpp"
 #include "ros/inbox.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "opencl/opencl_matcher.hpp"
+#include "flight_corridor/opencl/opencl_matcher.hpp"
 #include "ros/conversions.hpp"
 
 namespace flight_corridor_ros {

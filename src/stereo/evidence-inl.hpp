@@ -144,7 +144,8 @@ HWY_NOINLINE void moveWindow(RowMatcher& m, int v, int first_u, int end_u, Curve
 }
 
 /// Consistent pixels' matches. Competitors lie beyond the first barrier on either side of the winner, in the right
-/// camera's view. A winner is distinct if at least half of the disparities whose whole window the right camera sees are clearly worse.
+/// camera's view. A winner is distinct if at least half of the disparities whose whole window the right camera sees are
+/// clearly worse.
 /// @param costs the windows', of a block.
 template <int kVectors>
 HWY_NOINLINE void judge(RowMatcher& m, int v, int first_u, int end_u, const std::uint8_t* costs, std::uint8_t* farthest,

@@ -69,6 +69,7 @@ void fly(FlyOptions options) {
   const flight_corridor_ros::NodeConfig node_config = readConfig(options.config, options.overrides);
   if (!node_config.mask.empty()) throw std::invalid_argument("stereo/mask: no part of this quadrotor is in its view");
   const Config& given = node_config.core;
+  requireDevice(given.stereo, {});  // the CPU's
   options.loop.lidar_fault.kind = sim::lidarFaultFromName(options.lidar_fault);
   options.loop.speed = given.speed;
   sim::ClosedLoop loop(world, options.loop, options.seed);

@@ -2,7 +2,7 @@
 
 namespace flight_corridor::programs {
 
-// The tools, each from its command line to its exit code: runTool().
+// The tools, named as the programs, each from its command line to its exit code: runTool().
 int characterize_noise(int argc, char** argv);
 int evaluate(int argc, char** argv);
 int fly(int argc, char** argv);

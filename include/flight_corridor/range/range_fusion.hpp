@@ -80,6 +80,7 @@ class RangeFusion {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     double common_sigma_1pm = 0.0;  // of the readings that support the range
+    double begun_s = kNaN;
     std::array<int, 2> readings{};  // of each sensor; when it saw the surface last, and how long after the time before
     std::array<double, 2> seen_s{-kInfinity, -kInfinity}, period_s{kInfinity, kInfinity};
     int count() const { return readings[0] + readings[1]; }
@@ -117,7 +118,7 @@ class RangeFusion {
   static void correct(Surface& surface, const Reading& reading);
   const Surface* elsewhere(const Filter& filter, std::size_t sensor, double stamp_s) const;
   bool replaces(const Surface& challenger, const Filter& filter, const Reading& reading) const;
-  bool isFrozen(Repetition& repetition, const Surface& followed, const Reading& reading) const;
+  bool watchRepetition(Repetition& repetition, const Surface& followed, const Reading& reading) const;
   bool differ(const Reading& a, const Reading& b) const;
 
   FusionConfig config_;
