@@ -113,7 +113,10 @@ const Report& Pipeline::process(const StereoFrame& frame, const std::optional<Ei
     const Stopwatch stage(report_.times.fusion_ms);
     trackRange();
     remember();
-    followMotion(isPose(T_W_C, config_.map) ? T_W_C : std::nullopt);
+    disparity_estimator_.workers().run(3, [&](int part, int) {  // the longest first
+      if (part == 0) return followMotion(isPose(T_W_C, config_.map) ? T_W_C : std::nullopt);
+      part == 1 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
+    });
     confirmRepeated(lidarDisparity(boxInCamera()), scale(), disparity_);
   }
   {
@@ -196,9 +199,6 @@ void Pipeline::decide() {
   const CorridorConfig& corridor = config_.corridor;
   const Box box_C = boxInCamera();
   BandWorkers& workers = disparity_estimator_.workers();
-  workers.run(2, [&](int side, int) {
-    side == 0 ? left_texture_.find(pair_.left, covered_) : right_texture_.find(pair_.right);
-  });
   earlier_.look(disparity_, left_texture_.mask());
   const auto look_at_rays = [&](int part) {
     rays_.look(part, disparity_, left_texture_.mask(), right_texture_.mask(), scale());

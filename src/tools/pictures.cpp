@@ -130,7 +130,7 @@ void Pictures::writeEvidence(std::size_t index, const Pipeline& pipeline, const 
   cv::Mat coloured;
   drawEvidence(pipeline.left(), evidence, coloured);
   drawOverlay(coloured, pipeline.covered(), pipeline.geometry(), pipeline.boxInCamera(), report.verdict, report.range,
-              evidence_);
+              evidence_, 0.0);
   addLegend(evidence_);
   const std::string name = numbered(index) + "_" + toString(report.verdict.state) + ".png";
   writeImage(fs::path(options_.evidence_folder) / name, evidence_);

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flight_corridor/geometry/box.hpp"
+#include "flight_corridor/stereo/match_error.hpp"
 #include "view/canvas.hpp"
 
 namespace flight_corridor {
@@ -54,7 +55,8 @@ cv::Mat evidenceOf(const Pipeline& pipeline) {
                                  pipeline.textured().at<std::uint8_t>(v, u) != 0);
       if (doubtful.at<std::uint8_t>(v, u) == 255) here = Evidence::Doubtful;
       if (hole.contains({u, v})) here = Evidence::Hole;
-      if (contains(box_C, geometry.point(u, v, depth_m.at<float>(v, u)))) here = Evidence::InBox;
+      const double nearest_m = geometry.shiftedDepth<double>(depth_m.at<float>(v, u), kMatchNoise_px);
+      if (contains(box_C, geometry.point(u, v, nearest_m))) here = Evidence::InBox;
       evidence.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(here);
     }
   }

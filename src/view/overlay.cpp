@@ -55,7 +55,7 @@ cv::Scalar colour(State state) {
 }
 
 void drawOverlay(const cv::Mat& left, const cv::Mat& covered, const StereoGeometry& geometry, const Box& box_C,
-                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out) {
+                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out, double opacity) {
   toColour(left, out);
   hatch(covered, out);
   const cv::Scalar paint = colour(verdict.state);
@@ -68,7 +68,8 @@ void drawOverlay(const cv::Mat& left, const cv::Mat& covered, const StereoGeomet
     canvas.line(corner(box_C, end_m, i), corner(box_C, end_m, (i + 1) % 4), paint);
     window.push_back(corner(box_C, stop_m, i));
   }
-  canvas.fill(window, paint, 0.35);
+  if (opacity > 0.0) canvas.fill(window, paint, opacity);
+  for (int i = 0; i < 4 && !(opacity > 0.0); ++i) canvas.line(window[i], window[(i + 1) % 4], paint);
 
   const double scale = std::max(0.4, out.cols / 900.0);
   const int line_px = cvRound(32 * scale);

@@ -19,8 +19,9 @@ namespace flight_corridor {
 /// @param left  CV_8UC1 or CV_8UC3 (BGR).   @param box_C  the box with M = C.
 /// @param covered  CV_8UC1 of that size, see coveredPixels(); empty: nothing is covered.
 /// @param out   CV_8UC3 (BGR), refilled, same size.
+/// @param opacity of the end's colour; 0: outline only, what lies below keeps its colours.
 void drawOverlay(const cv::Mat& left, const cv::Mat& covered, const StereoGeometry& geometry, const Box& box_C,
-                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out);
+                 const Verdict& verdict, const RangeEstimate& range, cv::Mat& out, double opacity = 0.35);
 
 /// One line at the lower edge of a picture, CV_8UC3.
 void writeCaption(const std::string& text, cv::Mat& image);
