@@ -1,6 +1,5 @@
 #include "ros/conversions.hpp"
 
-#include <pcl_conversions/pcl_conversions.h>
 #include <sensor_msgs/image_encodings.h>
 #include <tf2_eigen/tf2_eigen.h>
 
@@ -24,7 +23,6 @@ constexpr double kLongestLifetime_s = 60.0;  // ros::Duration holds no infinity
 constexpr int kFewCounts = 4096;             // of 65536: 16 grey levels of the upper byte, too few to be matched
 constexpr double kBeyond = 0.001;            // share of the pixels, on each side, that may be dead ones
 constexpr int kFit = 224, kStep = 32;  // grey levels for the counts in use, the rest: they may drift within a step
-constexpr double kUnitNorm = 0.01;     // rounding in a quaternion typed by hand
 
 std::string differ(const char* name, double left, double right) {
   if (std::abs(left - right) <= kSamePx) return "";
@@ -179,7 +177,7 @@ Eigen::Isometry3d toPose(const geometry_msgs::Pose& message) {
   const auto& q = message.orientation;
   const Eigen::Quaterniond orientation(q.w, q.x, q.y, q.z);
   if (!position.allFinite()) throw std::invalid_argument("pose: the position is not finite");
-  if (!(std::abs(orientation.norm() - 1.0) <= kUnitNorm)) {
+  if (!isUnit(orientation)) {
     throw std::invalid_argument("pose: the orientation is not a unit quaternion, its norm is " +
                                 std::to_string(orientation.norm()));
   }
@@ -247,13 +245,6 @@ stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, con
   cv::Mat marked = disparity_px.clone();
   cv::patchNaNs(marked, -1.0);
   message.image = *toImage(header, marked, sensor_msgs::image_encodings::TYPE_32FC1);
-  return message;
-}
-
-sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud) {
-  sensor_msgs::PointCloud2 message;
-  pcl::toROSMsg(cloud, message);
-  message.header = header;
   return message;
 }
 

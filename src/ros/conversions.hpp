@@ -6,14 +6,12 @@
 #include <geometry_msgs/Pose.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/Range.h>
 #include <std_msgs/Header.h>
 #include <stereo_msgs/DisparityImage.h>
 #include <visualization_msgs/Marker.h>
 
 #include "flight_corridor/pipeline.hpp"
-#include "flight_corridor/view/cloud.hpp"
 
 namespace flight_corridor_ros {
 
@@ -74,8 +72,6 @@ sensor_msgs::ImagePtr toImage(const std_msgs::Header& header, const cv::Mat& ima
 /// @param nearest_m depth of the largest disparity that is searched.
 stereo_msgs::DisparityImage toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity_px,
                                              const flight_corridor::StereoGeometry& geometry, double nearest_m);
-
-sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
 
 /// The corridor's box, coloured by state.
 /// @param lifetime_s after which it vanishes from the screen.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kKept_s = 8.0;            // more than the largest max_age_s, and turn_delay_s
 constexpr std::size_t kMostRates = 10000;  // where the clock stands still
-constexpr double kNear_s = 0.1;  // between two attitudes: at 1 rad/s a heading in between is known to a few degrees
+constexpr double kBetween_s = 0.1;  // of two attitudes: at 1 rad/s a heading in between is known to a few degrees
 
 /// Angle of a rotation about z, in (-pi, pi]: its twist in the swing-twist decomposition.
 double turnAboutZ(const Eigen::Quaterniond& rotation) {
@@ -42,7 +42,7 @@ void HeadingHistory::add(const ros::Time& stamp, const Eigen::Quaterniond& R_W_B
 void HeadingHistory::add(const ros::Time& stamp, double rate_rad_s) {
   if (!isNext(stamp.toSec())) return;
   const double since_s = headings_.empty() ? 0.0 : stamp.toSec() - headings_.back().stamp_s;
-  if (since_s > kNear_s) headings_.clear();
+  if (since_s > kBetween_s) headings_.clear();
   push(stamp.toSec(), rate_rad_s * since_s);
 }
 
@@ -55,7 +55,7 @@ std::optional<HeadingHistory::Turn> HeadingHistory::since(const ros::Time& stamp
   if (!is_same && after == headings_.begin()) return std::nullopt;
   const Heading& before = is_same ? *after : *std::prev(after);
   const double apart_s = after->stamp_s - before.stamp_s;
-  if (!(apart_s <= kNear_s)) return std::nullopt;
+  if (!(apart_s <= kBetween_s)) return std::nullopt;
   const double share = is_same ? 0.0 : (stamp_s - before.stamp_s) / apart_s;
   const double then_rad = before.rad + share * (after->rad - before.rad);
   return Turn{headings_.back().rad - then_rad, headings_.back().stamp_s};
@@ -91,7 +91,7 @@ TurnRange GuardTurn::since(const ros::Time& stamp, const ros::Time& now) const {
   if (measured.empty()) measured.push_back({0.0, newest_s});
   TurnRange range;
   for (const HeadingHistory::Turn& turn : measured) {
-    if (newest_s - turn.until_s >= kNear_s) continue;
+    if (newest_s - turn.until_s >= kBetween_s) continue;
     const double rest_s = std::max(0.0, now.toSec() - turn.until_s);
     const TurnRates rates = commanded.ratesSince(turn.until_s - delay_s_);
     range.right_rad = std::min(range.right_rad, turn.rad + rest_s * rates.right_rad_s);

@@ -14,8 +14,8 @@
 #include "flight_corridor/view/evidence.hpp"
 #include "flight_corridor/view/fill.hpp"
 #include "flight_corridor/view/overlay.hpp"
+#include "ros/clouds.hpp"
 #include "ros/conversions.hpp"
-#include "ros/costmap_clouds.hpp"
 #include "ros/map_conversions.hpp"
 
 namespace flight_corridor_ros {

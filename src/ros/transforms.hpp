@@ -9,6 +9,7 @@
 #include <tf2_ros/buffer.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -22,6 +23,9 @@ std::string withoutSlash(const std::string& frame);
 /// Whether the libraries can represent a stamp: near the end of ros::Time (2106) its arithmetic throws in their
 /// threads, which ends the process.
 inline bool isPossible(const ros::Time& stamp) { return stamp.sec < 4000000000u; }
+
+/// Whether it is of norm 1, but for the rounding of numbers typed by hand.
+inline bool isUnit(const Eigen::Quaterniond& rotation) { return std::abs(rotation.norm() - 1.0) <= 0.01; }
 
 /// Poses from tf.
 class Transforms {

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kLeastHeading = 0.17;      // sine of 10 degrees off the vertical
 constexpr double kNear_s = 0.1;             // at 1 rad/s an attitude of then is 6 degrees off
-constexpr double kUnitNorm = 0.01;          // rounding in a quaternion
 constexpr std::size_t kMostWaiting = 2000;  // two seconds of an imu at 1 kHz
 
 }  // namespace
@@ -30,7 +29,7 @@ std::optional<Eigen::Vector3d> toUp(const sensor_msgs::Imu& message) {
   const auto& q = message.orientation;
   const Eigen::Quaterniond R_W_I(q.w, q.x, q.y, q.z);
   const bool is_given = message.orientation_covariance[0] != -1.0;
-  if (!(is_given && std::abs(R_W_I.norm() - 1.0) <= kUnitNorm)) return std::nullopt;
+  if (!is_given || !isUnit(R_W_I)) return std::nullopt;
   return R_W_I.normalized().conjugate() * Eigen::Vector3d::UnitZ();
 }
 

@@ -11,7 +11,7 @@ constexpr double kThick_m = 0.2;  // of walls
 Material plaster(Random& random) { return textured(random, 0.55, 0.2, 0.3); }
 
 /// Walls that are painted: little more than the cameras' noise.
-Material paint(Random& random) { return textured(random, 0.55, 0.04, 0.3); }
+Material wallPaint(Random& random) { return textured(random, 0.55, 0.04, 0.3); }
 
 /// Floor, ceiling and four walls from behind the start to behind the goal.
 void addHall(double half_width_m, double height_m, World& world, Random& random, Material (*surface)(Random&) = plaster) {
@@ -64,7 +64,7 @@ void addHallWithPillars(Material (*surface)(Random&), World& world, Random& rand
 }
 
 void pillars(World& world, Random& random) { addHallWithPillars(plaster, world, random); }
-void paintedHall(World& world, Random& random) { addHallWithPillars(paint, world, random); }
+void paintedHall(World& world, Random& random) { addHallWithPillars(wallPaint, world, random); }
 
 constexpr double kHalfWidth_m = 5.0, kTall_m = 3.5;  // of the hall with gates or doors
 

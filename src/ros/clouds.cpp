@@ -1,4 +1,4 @@
-#include "ros/costmap_clouds.hpp"
+#include "ros/clouds.hpp"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -17,7 +17,8 @@ constexpr int kTile_px = 8;  // at 4 m and f = 350 px, 0.09 m: a cell of a costm
 
 void add(Points& points, const Eigen::Vector3f& p) { points.push_back({p.x(), p.y(), p.z()}); }
 
-sensor_msgs::PointCloud2 toMessage(const std_msgs::Header& header, const Points& points) {
+template <class Point>
+sensor_msgs::PointCloud2 toMessage(const std_msgs::Header& header, const pcl::PointCloud<Point>& points) {
   sensor_msgs::PointCloud2 message;
   pcl::toROSMsg(points, message);
   message.header = header;
@@ -40,6 +41,10 @@ float nearestDepth(const cv::Mat& tile_m, double min_ray_fraction) {
 }
 
 }  // namespace
+
+sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud) {
+  return toMessage(header, cloud);
+}
 
 sensor_msgs::PointCloud2 toObstacles(const std_msgs::Header& header, const octomap::OcTree& tree,
                                      const Eigen::Isometry3d& T_M_C, double max_range_m) {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "ros/costmap_clouds.hpp"
+#include "ros/clouds.hpp"
 #include "support/calibrations.hpp"
 #include "support/wall_scene.hpp"
 

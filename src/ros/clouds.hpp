@@ -9,8 +9,11 @@
 
 #include "flight_corridor/geometry/stereo_geometry.hpp"
 #include "flight_corridor/map/occupancy_map.hpp"
+#include "flight_corridor/view/cloud.hpp"
 
 namespace flight_corridor_ros {
+
+sensor_msgs::PointCloud2 toPointCloud(const std_msgs::Header& header, const flight_corridor::Cloud& cloud);
 
 // Clouds by which costmap_2d's obstacle layer marks and clears. It uses a cloud's frame as the origin of ranges and
 // rays, so both clouds are in the left camera's frame C; `header` is the left image's.
