@@ -274,6 +274,23 @@ TEST(Simulation, ALidarFaultLastsAsLongAsAsked) {
   EXPECT_EQ(zeros, 100);
 }
 
+TEST(Simulation, APartOfAFlightIsAsTheWholeFlightBegins) {
+  SimulationOptions options = small("forest", 3);
+  const Simulation whole(options);
+  options.duration_s = 1.05;
+  const Simulation part(options);
+  ASSERT_EQ(part.frameTimes().size(), 11u);
+  EXPECT_TRUE(sameImages(part.frame(10), whole.frame(10)));
+  ASSERT_FALSE(part.ranges().empty());
+  for (std::size_t i = 0; i < part.ranges().size(); ++i) {
+    EXPECT_EQ(part.ranges()[i].stamp_s, whole.ranges()[i].stamp_s);
+    EXPECT_EQ(part.ranges()[i].range_m, whole.ranges()[i].range_m);
+  }
+  EXPECT_NEAR(part.imuReadings().back().stamp_s, part.frameTimes().back(), 0.1);
+  options.duration_s = 1000.0;
+  EXPECT_EQ(Simulation(options).frameTimes(), whole.frameTimes());
+}
+
 TEST(Simulation, RefusesWhatItDoesNotKnowAndNamesWhatItKnows) {
   EXPECT_NE(messageOf(small("volcano")).find("'volcano'; known are: appear"), std::string::npos);
   SimulationOptions options = small("wall");

@@ -1,5 +1,6 @@
 #include "sim/simulation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -21,6 +22,7 @@ const SimulationOptions& checked(const SimulationOptions& options) {
     if (!holds) broken += (broken.empty() ? "" : "; ") + std::string(rule);
   };
   require(1.0 <= options.rate_hz && options.rate_hz <= 1000.0, "rate_hz must be within [1, 1000]");
+  require(options.duration_s >= 0.0, "duration_s must be at least 0");
   require(0.1 <= options.image_scale && options.image_scale <= 4.0, "image_scale must be within [0.1, 4]");
   require((options.corridor_m.array() > 0.2).all(), "each size in corridor_m must be above 0.2");
   const double baseline_error = options.baseline_error.value_or(0.0);
@@ -58,7 +60,8 @@ Simulation::Simulation(const SimulationOptions& options)
     : options_(checked(options)),
       scene_(sceneFor(options)),
       lidar_fault_{lidarFaultFromName(options.lidar_fault), options.lidar_fault_from_s, options.lidar_fault_until_s},
-      frame_times_s_(ticks(scene_.flight.duration_s, options.rate_hz)) {
+      duration_s_(std::min(options.duration_s, scene_.flight.duration_s)),
+      frame_times_s_(ticks(duration_s_, options.rate_hz)) {
   for (double& time_s : frame_times_s_) time_s += kFirstStamp_s;
 }
 
@@ -75,7 +78,7 @@ StereoFrame Simulation::frame(std::size_t index) const {
 std::vector<RangeReading> Simulation::ranges() const {
   std::vector<RangeReading> readings;
   Lidar lidar(scene_.lidar, lidar_fault_, options_.seed);
-  for (const double time_s : ticks(scene_.flight.duration_s, scene_.lidar.rate_hz)) {
+  for (const double time_s : ticks(duration_s_, scene_.lidar.rate_hz)) {
     const double stamp_s = kFirstStamp_s + time_s;
     const double range_m = castBeam(worldAt(stamp_s), T_W_B(stamp_s) * T_B_L(), scene_.lidar.field_of_view_rad);
     auto reading = lidar.read(range_m, time_s);
@@ -92,7 +95,7 @@ std::vector<ImuReading> Simulation::imuReadings() const {
   std::vector<ImuReading> readings;
   Imu imu(options_.seed);
   const double step_s = 1.0 / kImuRate_hz;
-  for (const double time_s : ticks(scene_.flight.duration_s - 2.0 * step_s, kImuRate_hz)) {
+  for (const double time_s : ticks(duration_s_ - 2.0 * step_s, kImuRate_hz)) {
     const double stamp_s = kFirstStamp_s + time_s + step_s;
     const Eigen::Isometry3d before = T_W_B(stamp_s - step_s), now = T_W_B(stamp_s), after = T_W_B(stamp_s + step_s);
     const Eigen::Vector3d acceleration_W =

@@ -20,6 +20,7 @@ struct SimulationOptions {
   std::string scene;                          ///< One of sceneNames().
   std::uint64_t seed = 0;                     ///< Varies positions, speeds, textures and noise.
   double rate_hz = 30.0;                      ///< Of the stereo pairs.
+  double duration_s = kInfinity;              ///< What is recorded of the flight, from its start on; at most all of it.
   double image_scale = 1.0;                   ///< 1 = 640x480; 0.5 = 320x240, same field of view.
   std::optional<double> baseline_error;       ///< (true - announced) / announced baseline [-]; absent: the scene's.
   std::optional<double> disparity_offset_px;  ///< Measured minus true disparity; absent: the scene's.
@@ -62,6 +63,7 @@ class Simulation {
   SimulationOptions options_;
   Scene scene_;
   LidarFault lidar_fault_;
+  double duration_s_;
   std::vector<double> frame_times_s_;
 };
 

@@ -104,6 +104,10 @@ int flight_corridor::programs::simulate(int argc, char** argv) {
       ->type_name("N")
       ->check(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()));
   app.add_option("--rate", options.rate_hz, "stereo pairs per second")->type_name("HZ")->check(number(1.0));
+  app.add_option("--seconds", options.duration_s, "of the flight, from its start on; else all of it")
+      ->type_name("S")
+      ->default_str("")
+      ->check(number(0.0));
   app.add_option("--image-scale", options.image_scale, "1 = 640x480, 0.5 = 320x240")
       ->type_name("S")
       ->check(number(0.1));
