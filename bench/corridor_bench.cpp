@@ -59,9 +59,8 @@ void BM_Corridor(benchmark::State& state) {
       rays.look(part, disparity, left_texture.mask(), right_texture.mask(), correction);
     });
     gaps.find(disparity.best_px, left_texture.mask(), correction, config.smallest_obstacle_m);
-    const PairEvidence evidence{
-        pair, disparity,       depth_m,    left_texture.mask(),     rays, gaps,
-        earlier, earlier_matches, correction, estimator.nearestDepth()};
+    const PairEvidence evidence{pair, disparity, depth_m,         left_texture.mask(), rays,
+                                gaps, earlier,   earlier_matches, correction,          estimator.nearestDepth()};
     benchmark::DoNotOptimize(inspector.inspect(fan, evidence, config, lidar_px, estimator.workers()));
   }
   state.SetLabel(kScenes[state.range(0)]);

@@ -68,7 +68,10 @@ void run(const std::string& path, const std::string& frame) {
     contradictions += told->witness().contradicts();
     if (told->witness().contradicts() && std::getenv("LOG")) {
       const Way& w = told->witness().way();
-      std::printf("LOG %.2f way %.1f s told %.3f %.3f %.3f seen %.3f %.3f %.3f m, %.3f %.3f %.3f; %.3f %.3f %.3f rad\n", images.stamp_s, w.duration_s, w.told_m.x(), w.told_m.y(), w.told_m.z(), w.seen_m.x(), w.seen_m.y(), w.seen_m.z(), w.told_rad.x(), w.told_rad.y(), w.told_rad.z(), w.seen_rad.x(), w.seen_rad.y(), w.seen_rad.z());
+      std::printf("LOG %.2f way %.1f s told %.3f %.3f %.3f seen %.3f %.3f %.3f m, %.3f %.3f %.3f; %.3f %.3f %.3f rad\n",
+                  images.stamp_s, w.duration_s, w.told_m.x(), w.told_m.y(), w.told_m.z(), w.seen_m.x(), w.seen_m.y(),
+                  w.seen_m.z(), w.told_rad.x(), w.told_rad.y(), w.told_rad.z(), w.seen_rad.x(), w.seen_rad.y(),
+                  w.seen_rad.z());
     }
     const auto& pose = by_images->pose();
     if (!pose) {
@@ -77,7 +80,9 @@ void run(const std::string& path, const std::string& frame) {
     }
     places.push_back({images.stamp_s, *pose, *T_W_C});
     const Place& place = places.back();
-    while (places.size() > 1 && (place.stamp_s - places[1].stamp_s >= kOver_s - 1e-3 || places[0].seen.series != pose->series)) places.pop_front();
+    while (places.size() > 1 &&
+           (place.stamp_s - places[1].stamp_s >= kOver_s - 1e-3 || places[0].seen.series != pose->series))
+      places.pop_front();
     const Place& then = places.front();
     if (place.stamp_s - then.stamp_s < kOver_s - 1e-3) return;
     const double sigma_m = std::sqrt(varianceBetween(then.seen.translation, place.seen.translation));
@@ -85,7 +90,8 @@ void run(const std::string& path, const std::string& frame) {
       ++unclaimed;
       return;
     }
-    const Eigen::Isometry3d truth = then.T_W_C.inverse() * place.T_W_C, seen = then.seen.T_M_C.inverse() * place.seen.T_M_C;
+    const Eigen::Isometry3d truth = then.T_W_C.inverse() * place.T_W_C,
+                            seen = then.seen.T_M_C.inverse() * place.seen.T_M_C;
     const Eigen::Isometry3d off = truth.inverse() * seen;
     errors_m.push_back(off.translation().norm());
     errors_rad.push_back(Eigen::AngleAxisd(off.linear()).angle());
@@ -94,11 +100,13 @@ void run(const std::string& path, const std::string& frame) {
     wrong += errors_m.back() > kClaimed_m || errors_rad.back() > 0.3 * M_PI / 180.0;
   };
   reader.play(flight_corridor_ros::RosConfig(), listener);
-  std::printf("%-28s %4d pairs, lost %3d, unclaimed %3d, claimed %4zu, wrong %3d | moved %.2f m: %.3f m (p95 %.3f, max %.3f), %.2f deg (p95 %.2f) | of sigma %.1f (p95 %.1f) | %.2f ms (p99 %.2f) | contradicts %d\n",
-              path.substr(path.rfind('/') + 1).c_str(), pairs, lost, unclaimed, errors_m.size(), wrong,
-              quantile(moved_m, 0.5), quantile(errors_m, 0.5), quantile(errors_m, 0.95), quantile(errors_m, 1.0),
-              quantile(errors_rad, 0.5) * 180 / M_PI, quantile(errors_rad, 0.95) * 180 / M_PI, quantile(ratios, 0.5),
-              quantile(ratios, 0.95), quantile(ms, 0.5), quantile(ms, 0.99), contradictions);
+  std::printf(
+      "%-28s %4d pairs, lost %3d, unclaimed %3d, claimed %4zu, wrong %3d | moved %.2f m: %.3f m (p95 %.3f, max %.3f), "
+      "%.2f deg (p95 %.2f) | of sigma %.1f (p95 %.1f) | %.2f ms (p99 %.2f) | contradicts %d\n",
+      path.substr(path.rfind('/') + 1).c_str(), pairs, lost, unclaimed, errors_m.size(), wrong, quantile(moved_m, 0.5),
+      quantile(errors_m, 0.5), quantile(errors_m, 0.95), quantile(errors_m, 1.0),
+      quantile(errors_rad, 0.5) * 180 / M_PI, quantile(errors_rad, 0.95) * 180 / M_PI, quantile(ratios, 0.5),
+      quantile(ratios, 0.95), quantile(ms, 0.5), quantile(ms, 0.99), contradictions);
   std::fflush(stdout);
 }
 

@@ -58,7 +58,8 @@ ParameterTable tableOf(FusionConfig& c) {
         from(0).where(c.stereo_variance_m2 + c.disparity_sigma_px > 0.0, "positive if stereo_variance_m2 is 0"),
         "[px] sigma of a match; adds (depth^2 / (focal length * baseline) * this)^2 to stereo_variance_m2", Tier::Tune},
        {FIELD(gate_sigma), above(0), "[sigma] readings farther from the prediction are gated; .inf: no gate"},
-       {FIELD(lasting_s), above(0), "[s] a sensor that measures another surface for this long is in persistent disagreement"},
+       {FIELD(lasting_s), above(0),
+        "[s] a sensor that measures another surface for this long is in persistent disagreement"},
        {FIELD(max_gap_s), above(0), "[s] a surface is forgotten after this long without readings of it"},
        {FIELD(buffer_s), above(0), "[s] readings that come up to this late are inserted at their own stamps"}}};
 }

@@ -189,7 +189,8 @@ class Cameras : public testing::Test {
     range.field_of_view = 0.03f;
     range.min_range = 0.2f;
     range.max_range = 100.0f;
-    range.range = static_cast<float>(wall_m_ - kLidar_F.x() + 1e-4 * (seed_ % 4));  // one that repeats itself may be frozen
+    range.range =
+        static_cast<float>(wall_m_ - kLidar_F.x() + 1e-4 * (seed_ % 4));  // one that repeats itself may be frozen
     ranges_.publish(range);
     left_.send(now, ++seed_, is_calibrated);
     right_.send(now + ros::Duration(kind_.right_delay_s), ++seed_, is_calibrated);

@@ -180,7 +180,8 @@ TEST_F(NodeInputs, OdometryTellsTheMotionThatABlankViewDoesNot) {
   Inputs inputs;
   for (auto* image : {&inputs.left, &inputs.right}) std::fill((*image)->data.begin(), (*image)->data.end(), 128);
   const auto motion = [](bool is_known) {
-    return [is_known](const CorridorState& verdict) { return !(verdict.reasons & CorridorState::NO_MOTION) == is_known; };
+    return
+        [is_known](const CorridorState& verdict) { return !(verdict.reasons & CorridorState::NO_MOTION) == is_known; };
   };
   EXPECT_TRUE(answers(inputs, motion(false)));
   ros::Publisher publisher = node_.advertise<nav_msgs::Odometry>("odom", 10);

@@ -14,8 +14,8 @@ namespace {
 
 /// What of a simulated flight through a wood is told, and with which calibration it is looked at.
 struct Telling {
-  std::optional<StereoCalibration> calibration;  ///< Else the announced one.
-  cv::Rect view;                                 ///< Part of the images that is shown; empty: all.
+  std::optional<StereoCalibration> calibration;             ///< Else the announced one.
+  cv::Rect view;                                            ///< Part of the images that is shown; empty: all.
   Eigen::Isometry3d T_C_X = Eigen::Isometry3d::Identity();  ///< Error of the camera's mounting.
   double stretched = 1.0;                                   ///< Told way over true way.
 };
@@ -82,7 +82,8 @@ TEST_F(CameraMotionTest, FollowsAFlightByTheImagesAloneAsWellAsItSays) {
     poses.push_back(*motion.pose());
   }
   for (int i = 0, now = 5; now < kPairs; ++i, ++now) {
-    const Eigen::Isometry3d true_motion = truth(pairs()[i].images.stamp_s).inverse() * truth(pairs()[now].images.stamp_s);
+    const Eigen::Isometry3d true_motion =
+        truth(pairs()[i].images.stamp_s).inverse() * truth(pairs()[now].images.stamp_s);
     const Eigen::Isometry3d off = true_motion.inverse() * (poses[i].T_M_C.inverse() * poses[now].T_M_C);
     const double sigma_m = std::sqrt(varianceBetween(poses[i].translation, poses[now].translation));
     EXPECT_EQ(poses[i].series, poses[now].series);

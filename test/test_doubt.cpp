@@ -206,7 +206,8 @@ TEST(Doubt, OfADirectionThatIsNotAskedNothingIsKnown) {
   repeat({kMiddle, cv::Size(20, 20)}, kInTheBox_px - 1, evidence);
   Doubt doubt(kSmallGeometry);
   const ScaleCorrection correction((ScaleConfig()));
-  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, kNoEarlier, correction, {{true}, {false}}, kSmallest_m, workers);
+  doubt.find({kCorridor, {0.0, 0.02}, {0.0}}, kBlind_m, evidence, kNoEarlier, correction, {{true}, {false}},
+             kSmallest_m, workers);
   EXPECT_TRUE(doubt.isIn(0));
   EXPECT_FALSE(doubt.isIn(1));
 }
@@ -220,7 +221,8 @@ TEST(Doubt, OfSeveralBoxesEachIsJudgedAsIfAlone) {
   const ScaleCorrection correction((ScaleConfig()));
   Doubt doubt(kSmallGeometry);
   for (int run = 0; run < 2; ++run) {  // the first leaves nothing behind
-    doubt.find(fan, kBlind_m, evidence, kNoEarlier, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m, workers);
+    doubt.find(fan, kBlind_m, evidence, kNoEarlier, correction, std::vector<Doubt::Question>(fan.size()), kSmallest_m,
+               workers);
     for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
   }
   EXPECT_TRUE(doubt.isIn(7)) << "straight ahead";
@@ -238,8 +240,8 @@ TEST(Doubt, BeforeBoxesThatBeginFartherAwayACompetitorMayStandBehindTheBlindDist
   evidence.competitor_nearest(patch).setTo(placeOf(25));  // 0.84 m
   const Fan fan(box, {-0.02, 0.0, 0.02}, {0.0});
   Doubt doubt(kSmallGeometry);
-  doubt.find(fan, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3), kSmallest_m,
-             workers);
+  doubt.find(fan, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), std::vector<Doubt::Question>(3),
+             kSmallest_m, workers);
   EXPECT_TRUE(doubt.isIn(1));
   for (int i = 0; i < fan.size(); ++i) EXPECT_EQ(doubt.isIn(i), isIn(evidence, kNaN, fan.box(i))) << i;
 }
@@ -248,7 +250,8 @@ TEST(Doubt, TheImageShowsWhatIsInDoubt) {
   DisparityEvidence evidence = certainWall();
   addToSet({kMiddle, cv::Size(3, 2)}, kInTheBox_px, evidence);
   Doubt doubt(kSmallGeometry);
-  doubt.find(kCorridor, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), {Doubt::Question()}, kSmallest_m, workers);
+  doubt.find(kCorridor, kBlind_m, evidence, kNoEarlier, ScaleCorrection(ScaleConfig()), {Doubt::Question()},
+             kSmallest_m, workers);
   EXPECT_EQ(cv::countNonZero(doubt.image()), 6);
   EXPECT_EQ(cv::countNonZero(doubt.image()({kMiddle, cv::Size(3, 2)})), 6);
 }

@@ -32,9 +32,7 @@ class HolesTest : public testing::Test {
       rays.look(part, evidence_, textured_, right_textured_, correction);
     }
     const Absence absence{rays, evidence_, textured_, earlier_};
-    return Holes(kVgaGeometry)
-        .find(box, absence, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear)
-        .front();
+    return Holes(kVgaGeometry).find(box, absence, correction, kBlind_m, nearest_m, kSmallest_m, kMostUnclear).front();
   }
 
   /// Something of which nothing is matched hides the wall from both cameras.

@@ -8,8 +8,8 @@
 #include <random>
 #include <thread>
 
-#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "flight_corridor/opencl/opencl_matcher.hpp"
+#include "flight_corridor/stereo/disparity_estimator.hpp"
 #include "support/calibrations.hpp"
 #include "support/matcher_cases.hpp"
 

@@ -155,7 +155,8 @@ TEST(Pipeline, ALidarThatIsNearerRefusesEveryDirectionAtOnce) {
   for (int i = 0; i < 25; ++i) {  // from 2.3 s on something before the wall at 7 m that stereo does not show
     const double stamp_s = 1.0 + 0.1 * i, met_m = i < 13 ? 7.0 : 4.5;
     for (int k = 0; k < 5; ++k) pipeline.addRange(reading(stamp_s - 0.08 + 0.02 * k, met_m + 0.001 * k));
-    const bool is_nearer = (pipeline.process(wallFrame(kSmallGeometry, 3, stamp_s)).verdict.reasons & kLidarNearer) != 0;
+    const bool is_nearer =
+        (pipeline.process(wallFrame(kSmallGeometry, 3, stamp_s)).verdict.reasons & kLidarNearer) != 0;
     refused += is_nearer;
     for (const FreeArea& area : pipeline.freeAreas().areas) {
       EXPECT_EQ((area.verdict.reasons & kLidarNearer) != 0, is_nearer) << i << ", " << area.yaw_rad;

@@ -120,7 +120,8 @@ TEST(PipelineInputs, AMapInTheWorldNeedsAPoseThatItReaches) {
       EXPECT_EQ(pipeline.process(wallFrame(kSmallGeometry, 3, 1.0), T_W_C).verdict.reasons, kNoPose) << coordinate_m;
       T_W_C.translation()[axis] = std::copysign(farthest_m, coordinate_m);
       pipeline.process(wallFrame(kSmallGeometry, 7, 1.1), T_W_C);
-      EXPECT_LT(nearestOccupied(pipeline.map().tree(), pipeline.box()).clear_distance_m, kInfinity) << T_W_C.translation();
+      EXPECT_LT(nearestOccupied(pipeline.map().tree(), pipeline.box()).clear_distance_m, kInfinity)
+          << T_W_C.translation();
     }
   }
 }

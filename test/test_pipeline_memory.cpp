@@ -88,7 +88,8 @@ TEST(PipelineMemory, WhateverTheVerdictCallsAPatchIsOccupiedInTheMap) {
       const OccupiedCell cell = nearestOccupied(pipeline.obstacles().tree(), pipeline.boxInCamera());
       // From the cell of its nearest point, which noise may put into the one before.
       EXPECT_LE(cell.clear_distance_m, report.verdict.clear_distance_m) << edge_m << " m, " << shift_m;
-      EXPECT_GE(cell.clear_distance_m, report.verdict.clear_distance_m - 2.0 * MapConfig().resolution_m) << edge_m << " m, " << shift_m;
+      EXPECT_GE(cell.clear_distance_m, report.verdict.clear_distance_m - 2.0 * MapConfig().resolution_m)
+          << edge_m << " m, " << shift_m;
     }
   }
 }

@@ -25,7 +25,8 @@ RangeLimits limitsOf(Protocol protocol) {
 
 /// A parser, and what came out of it.
 struct Wire {
-  explicit Wire(Protocol protocol) : parser(protocol, limitsOf(protocol), kByte_s, metresOf(unitsOf(protocol).front())) {}
+  explicit Wire(Protocol protocol)
+      : parser(protocol, limitsOf(protocol), kByte_s, metresOf(unitsOf(protocol).front())) {}
 
   void send(const std::string& bytes, double read_s = 0.0) {
     parser.feed(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), read_s, readings);

@@ -8,8 +8,8 @@ namespace {
 constexpr double kStep_rad = 0.1, kWidth_m = 1.2;
 const Eigen::Vector3d kAhead = Eigen::Vector3d::UnitX();
 
-/// The way through a grid of 5 x 3 directions, the lowest row first: FREE for 4 m where there is a plus, UNKNOWN but free
-/// for so many metres where there is a digit, else BLOCKED.
+/// The way through a grid of 5 x 3 directions, the lowest row first: FREE for 4 m where there is a plus, UNKNOWN but
+/// free for so many metres where there is a digit, else BLOCKED.
 int wayOf(const char (&marks)[16], const Eigen::Vector3d& goal_F = kAhead) {
   AreaGrid grid = areaGrid({0.2, 0.1, kStep_rad});
   for (int i = 0; i < 15; ++i) {

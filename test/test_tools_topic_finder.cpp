@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
-#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
@@ -146,8 +146,7 @@ TEST_F(TopicFinderTest, TheOnlyRangeImuAndOdometryAreTaken) {
   EXPECT_EQ(find().odom, "/vio/odom");
   EXPECT_EQ(find().range, "/mavros/range_down");
   EXPECT_EQ(find().imu, "/imu0");
-  write({"/cam0/image_raw", "/cam1/image_raw", "/range_a", "/range_b", "/imu_a", "/imu_b", "/odom_a",
-         "/odom_b"});
+  write({"/cam0/image_raw", "/cam1/image_raw", "/range_a", "/range_b", "/imu_a", "/imu_b", "/odom_a", "/odom_b"});
   EXPECT_NE(error().find("\n  --range /range_a\n  --range /range_b"), std::string::npos) << error();
   StereoTopics named = kNothingNamed;
   named.range = "none";

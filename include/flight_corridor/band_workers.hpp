@@ -40,7 +40,7 @@ class BandWorkers {
   Call call_ = nullptr;
   int parts_ = 0, next_ = 0, unfinished_ = 0;
   bool stop_ = false;
-  std::exception_ptr error_;  // of a part of the job
+  std::exception_ptr error_;          // of a part of the job
   std::vector<std::thread> threads_;  // last: they use all of the above
 };
 

@@ -77,8 +77,9 @@ class Pipeline {
 
   /// The verdict for one stereo pair. A pair with an earlier stamp than the last is refused (NO_DATA): if the clock was
   /// set back, make a new pipeline.
-  /// @param T_W_C pose of the left camera in a fixed frame at the frame's stamp: that of the map if map/frame_id is set,
-  /// which then needs it; else any, by which earlier pairs are remembered. Absent: their motion is told by the images.
+  /// @param T_W_C pose of the left camera in a fixed frame at the frame's stamp: that of the map if map/frame_id is
+  /// set, which then needs it; else any, by which earlier pairs are remembered. Absent: their motion is told by the
+  /// images.
   /// @return valid until the next call.
   const Report& process(const StereoFrame& frame, const std::optional<Eigen::Isometry3d>& T_W_C = std::nullopt);
 
@@ -211,13 +212,13 @@ class Pipeline {
   CameraMotion motion_;
   EarlierPairs earlier_;
   EarlierMatches earlier_matches_;
-  ObstacleMemory obstacles_;  // in the frame of motion_'s present series
+  ObstacleMemory obstacles_;                                     // in the frame of motion_'s present series
   Eigen::Isometry3d known_V_C_ = Eigen::Isometry3d::Identity();  // last known pose in that frame ...
   double known_s_ = kNaN;                                        // ... and its pair's stamp
   int series_ = 0;
-  bool clears_ = false;     // the free space of the last pair that was judged is trusted
-  bool keeps_matches_ = false;  // ... its matches may refute later doubt
-  double judged_s_ = kNaN;      // ... its stamp
+  bool clears_ = false;             // the free space of the last pair that was judged is trusted
+  bool keeps_matches_ = false;      // ... its matches may refute later doubt
+  double judged_s_ = kNaN;          // ... its stamp
   std::uint32_t image_faults_ = 0;  // of the last pair
   StereoFrame pair_;                // own copies of the images: the caller may reuse its own
   Disparity disparity_;

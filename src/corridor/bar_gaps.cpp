@@ -9,11 +9,11 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr double kWidest = 4.0;                     // times the smallest obstacle: a wider thing is no bar
-constexpr int kNarrowest_px = 3;                    // fewer matches of a row are chance
-constexpr int kRows = 4;                            // of a piece at least; up to so many rows may be missing in it
+constexpr double kWidest = 4.0;                      // times the smallest obstacle: a wider thing is no bar
+constexpr int kNarrowest_px = 3;                     // fewer matches of a row are chance
+constexpr int kRows = 4;                             // of a piece at least; up to so many rows may be missing in it
 constexpr float kApart_px = 2.0f * kSameSurface_px;  // a bar is so much nearer than what is beside it
-constexpr double kLean = 0.35;                      // of a gap's height: so far aside a bar may go on
+constexpr double kLean = 0.35;                       // of a gap's height: so far aside a bar may go on
 
 }  // namespace
 

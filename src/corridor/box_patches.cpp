@@ -183,8 +183,7 @@ void BoxPatches::keepMissable(const Fan& fan, const Point* first, const Point* e
 void BoxPatches::keep(const Fan& fan, const Point* first, const Point* end) {
   for (const Point* point = first; point != end; ++point) {
     if (!fan.contains(fan.turned(0, point->hit_F))) continue;
-    blocking_C_.push_back(
-        geometry_.point(point->u, point->v, geometry_.depth(point->disparity_px + kMatchNoise_px)));
+    blocking_C_.push_back(geometry_.point(point->u, point->v, geometry_.depth(point->disparity_px + kMatchNoise_px)));
   }
 }
 

@@ -16,9 +16,22 @@ constexpr float kTouching_px = 1.0f;  // a match so near to a place is of a surf
 
 }  // namespace
 
-/// Whether no ray of the newest pair shows that the place is clear.
-bool Holes::isUnclear(int u, int v, const Place& place, const Absence& absence) {
-  return place.shift_px <= u && !(place.is_searched && absence.rays.isClear(u, v, place.at_px, place.shift_px));
+/// Of a row of the plane, as in Place::unclear: pixels that both cameras see, and whose place no ray of the newest pair
+/// shows clear.
+void Holes::findUnclear(int row, const Plane& plane, const Place& place, const Absence& absence,
+                        std::uint8_t* unclear) {
+  const int v = plane.view.y + plane.stride_px * row, columns = place.unclear.cols, stride = plane.stride_px;
+  const int seen_from = std::clamp((place.shift_px - plane.view.x + stride - 1) / stride, 0, columns);
+  std::fill_n(unclear, seen_from, std::uint8_t{0});
+  std::fill(unclear + seen_from, unclear + columns, std::uint8_t{1});
+  if (!place.is_searched) return;
+  const cv::Mat &left = absence.rays.metLeft(), &right = absence.rays.metRight();
+  const float* left_px = left.ptr<float>(v) + plane.view.x;
+  const float* right_px = right.ptr<float>(v) + plane.view.x - place.shift_px;
+  const int right_columns = right.cols + place.shift_px - plane.view.x;  // of pixels that the right image has
+  const int right_end = std::clamp((right_columns + stride - 1) / stride, seen_from, columns);
+  for (int i = seen_from; i < columns; ++i) unclear[i] = !(left_px[i * stride] < place.at_px);
+  for (int i = seen_from; i < right_end; ++i) unclear[i] &= !(right_px[i * stride] < place.at_px);
 }
 
 /// Whether earlier pairs saw it clear: that holds as long as the newest shows nothing there nor nearer, and nothing may
@@ -41,12 +54,12 @@ void Holes::closeGaps(const Plane& plane, Place& place, const Absence& absence) 
   closed_.create(place.unclear.size(), CV_8UC1);
   for (int row = 0; row < bare_.rows; ++row) {
     const int v = plane.view.y + stride * row;
-    const std::uint8_t *textured = absence.textured.ptr(v), *unclear = place.unclear.ptr(row);
+    const std::uint8_t *textured = absence.textured.ptr(v) + plane.view.x, *unclear = place.unclear.ptr(row);
+    const float* met_px = absence.rays.metLeft().ptr<float>(v) + plane.view.x;
     auto *bare = bare_.ptr(row), *ends = closed_.ptr(row);
-    for (int column = 0; column < bare_.cols; ++column) {
-      const int u = plane.view.x + stride * column;
-      bare[column] = textured[u] == 0;
-      ends[column] = bare[column] && unclear[column] && absence.rays.meets(u, v);
+    for (int i = 0; i < bare_.cols; ++i) {
+      bare[i] = textured[i * stride] == 0;
+      ends[i] = bare[i] & unclear[i] & (met_px[i * stride] < kInfinity);
     }
   }
   if (cv::countNonZero(closed_) == 0) return;
@@ -84,12 +97,7 @@ void Holes::askEarlier(const Plane& plane, Place& place, const Absence& absence)
 void Holes::findUnclear(const Plane& plane, Place& place, const Absence& absence) {
   const int stride = plane.stride_px;
   place.unclear.create((plane.view.height + stride - 1) / stride, (plane.view.width + stride - 1) / stride, CV_8UC1);
-  for (int row = 0; row < place.unclear.rows; ++row) {
-    auto* unclear = place.unclear.ptr(row);
-    for (int column = 0; column < place.unclear.cols; ++column) {
-      unclear[column] = isUnclear(plane.view.x + stride * column, plane.view.y + stride * row, place, absence);
-    }
-  }
+  for (int row = 0; row < place.unclear.rows; ++row) findUnclear(row, plane, place, absence, place.unclear.ptr(row));
   closeGaps(plane, place, absence);
   const cv::Mat square = cv::Mat::ones(place.edge, place.edge, CV_8UC1);
   const auto find_squares = [&] {
@@ -107,18 +115,20 @@ void Holes::findUnclear(const Plane& plane, Place& place, const Absence& absence
 
 cv::Mat Holes::image(const Absence& absence) const {
   cv::Mat shown = cv::Mat::zeros(geometry_.size(), CV_8UC1);
+  std::vector<std::uint8_t> unclear(geometry_.size().width);  // in the newest pair
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Plane& plane = planes_[i];
     const int stride = plane.stride_px;
     if (plane.view.empty() || !places_[i].is_searched) continue;
     for (int row = 0; row < places_[i].unclear.rows; ++row) {
+      findUnclear(row, plane, places_[i], absence, unclear.data());
       for (int column = 0; column < places_[i].unclear.cols; ++column) {
         const int u = plane.view.x + stride * column, v = plane.view.y + stride * row;
         const Eigen::Vector3f p_F = fan_.T_F_C() * geometry_.point(u, v, plane.depth_m).cast<float>();
         const bool is_in_view = places_[i].shift_px <= u;  // of both cameras
         if (!is_in_view || !fan_.contains(fan_.turned(0, p_F))) continue;
         const Sighted sighted = places_[i].unclear.at<std::uint8_t>(row, column) ? Sighted::Unclear
-                                : isUnclear(u, v, places_[i], absence)           ? Sighted::ClearBefore
+                                : unclear[column]                                ? Sighted::ClearBefore
                                                                                  : Sighted::Clear;
         for (int y = v; y < std::min(v + stride, shown.rows); ++y) {
           auto* pixels = shown.ptr(y);

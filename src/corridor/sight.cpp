@@ -17,12 +17,13 @@ Sight sightOf(const PairEvidence& pair, const StereoGeometry& geometry, const Ei
   const double near_m = centre_C.z() - 0.5 * edge_m, far_m = centre_C.z() + 0.5 * edge_m;
   if (!(near_m >= pair.nearest_m)) return Sight::Nothing;
   const auto far_px = static_cast<float>(geometry.disparity(far_m));
-  const int shift_px = static_cast<int>(
-      std::lround(far_px * pair.correction.scale(far_px) + geometry.principalPointDifference()));
+  const int shift_px =
+      static_cast<int>(std::lround(far_px * pair.correction.scale(far_px) + geometry.principalPointDifference()));
   int clear = 0;
   for (int i = 0; i < kSamples; ++i) {
     for (int j = 0; j < kSamples; ++j) {
-      const Eigen::Vector3d off_m = edge_m * Eigen::Vector3d((i + 0.5) / kSamples - 0.5, (j + 0.5) / kSamples - 0.5, 0.0);
+      const Eigen::Vector3d off_m =
+          edge_m * Eigen::Vector3d((i + 0.5) / kSamples - 0.5, (j + 0.5) / kSamples - 0.5, 0.0);
       const Eigen::Vector2d at_px = geometry.project(centre_C + off_m);
       if (!geometry.contains(at_px) || at_px.x() < shift_px) return Sight::Nothing;
       clear += pair.rays.isClear(static_cast<int>(std::lround(at_px.x())), static_cast<int>(std::lround(at_px.y())),

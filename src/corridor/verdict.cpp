@@ -46,11 +46,11 @@ State stateOf(std::uint32_t reasons) {
 }
 
 std::string describeReasons(std::uint32_t reasons) {
-  static const char* const kNames[] = {
-      "OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",   "NO_DATA",       "NO_POSE",        "BAD_IMAGE",
-      "BAD_CALIBRATION",  "NO_DISPARITY", "DISAGREEMENT", "NO_LIDAR",      "LIDAR_REJECTED", "NO_RANGE_OBSERVED",
-      "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",    "WEAK_EVIDENCE", "LIDAR_NEARER",
-      "MOVING",           "NO_MOTION"};
+  static const char* const kNames[] = {"OCCUPIED_CELL",    "SHORT_RANGE",  "UNOBSERVED",      "NO_DATA",
+                                       "NO_POSE",          "BAD_IMAGE",    "BAD_CALIBRATION", "NO_DISPARITY",
+                                       "DISAGREEMENT",     "NO_LIDAR",     "LIDAR_REJECTED",  "NO_RANGE_OBSERVED",
+                                       "RECENTLY_BLOCKED", "FROZEN_IMAGE", "AMBIGUOUS",       "WEAK_EVIDENCE",
+                                       "LIDAR_NEARER",     "MOVING",       "NO_MOTION"};
   std::string text;
   std::uint32_t bit = 1;
   for (const char* name : kNames) {

@@ -11,7 +11,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kShortestBaseline_m = 0.01, kLongestBaseline_m = 2.0;  // that an aircraft, or a car, has room for
-constexpr double kUsualBaselines_m[] = {0.03, 0.6};  // by which the unit of another is guessed
+constexpr double kUsualBaselines_m[] = {0.03, 0.6};                     // by which the unit of another is guessed
 // How far rectified pairs' principal points are from the middle, as a share of width and height.
 constexpr double kMostAcross = 0.16, kMostDown = 0.12, kMostOfBoth = 0.063;
 constexpr double kUsualAcross = 0.09, kUsualDown = 0.05, kUsualOfBoth = 0.03;  // beyond, it is warned about

@@ -13,10 +13,10 @@ namespace flight_corridor {
 
 namespace {
 
-constexpr std::size_t kMostMatches = 3;  // pairs: their sets are large
+constexpr std::size_t kMostMatches = 3;    // pairs: their sets are large
 constexpr std::size_t kMostSamples = 100;  // pixels of a patch that are looked up
-constexpr double kSigmas = 2.0;   // of the motion's error
-constexpr double kFit_px = 1.0;   // a disparity so near to a place's fits there
+constexpr double kSigmas = 2.0;            // of the motion's error
+constexpr double kFit_px = 1.0;            // a disparity so near to a place's fits there
 constexpr double kFitting = 0.5;  // of a patch's pixels: in every pair some of a real one are matched otherwise
 
 }  // namespace
@@ -31,7 +31,8 @@ void EarlierMatches::add(double stamp_s, const CameraPose& pose, DisparityEviden
   if (DisparityEvidence* kept = pairs_.add(stamp_s, pose)) std::swap(*kept, matches);
 }
 
-bool EarlierMatches::refute(const std::vector<cv::Point>& patch, double at_px, const ScaleCorrection& correction) const {
+bool EarlierMatches::refute(const std::vector<cv::Point>& patch, double at_px,
+                            const ScaleCorrection& correction) const {
   const std::size_t step = 1 + (patch.size() - 1) / kMostSamples;
   std::vector<cv::Point> samples;
   for (std::size_t i = 0; i < patch.size(); i += step) samples.push_back(patch[i]);

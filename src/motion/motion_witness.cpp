@@ -9,7 +9,7 @@ namespace flight_corridor {
 namespace {
 
 constexpr double kLeast_m = 0.3, kLeast_rad = 5.0 * M_PI / 180.0;  // of a way that is compared
-constexpr double kSignificantSigmas = 3.0;  // of the difference
+constexpr double kSignificantSigmas = 3.0;                         // of the difference
 // What is told is odometry, or a filter's pose: 2 % and 1 cm, and a rotation that drifts by half a degree a second.
 constexpr double kToldShare = 0.02, kTold_m = 0.01, kTold_radps = 0.5 * M_PI / 180.0;
 
@@ -40,7 +40,8 @@ std::string describe(const Way& way) {
   const double between_rad = std::acos(std::clamp(way.told_m.dot(way.seen_m) / (told_m * seen_m), -1.0, 1.0));
   text.precision(1);
   text << ": directions " << degrees(between_rad) << " deg apart (principal point, a cropped image, or the camera's "
-       << "mounting in tf), seen " << std::lround(100.0 * (seen_m / told_m - 1.0)) << " % longer (baseline or focal length)";
+       << "mounting in tf), seen " << std::lround(100.0 * (seen_m / told_m - 1.0))
+       << " % longer (baseline or focal length)";
   return text.str();
 }
 

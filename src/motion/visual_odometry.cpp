@@ -18,16 +18,16 @@ constexpr int kLevels = 3;           // of the pyramid above it
 constexpr int kCell_px = 16;         // one corner in a square of this size, of the half-sized image
 constexpr int kCornerContrast = 10;  // grey: of FAST
 const cv::Size kWindow_px(13, 13);
-constexpr float kHome_px = 0.5f;      // a corner that is tracked back comes home to this, half-sized
-constexpr double kReprojection_px = 1.0;  // of a corner that agrees with a motion
-constexpr int kLeastInliers = 20;  // corners that agree
-constexpr double kLeastShare = 0.5;      // of the corners that were found again
+constexpr float kHome_px = 0.5f;            // a corner that is tracked back comes home to this, half-sized
+constexpr double kReprojection_px = 1.0;    // of a corner that agrees with a motion
+constexpr int kLeastInliers = 20;           // corners that agree
+constexpr double kLeastShare = 0.5;         // of the corners that were found again
 constexpr double kAnotherSurface_px = 1.0;  // a match that differs by more is of another surface
-constexpr int kSteps = 4;  // of least squares
-constexpr double kAlike = 3.0;    // errors of corners are alike: their mean is less certain than were they independent
-constexpr double kOfWay = 0.01;   // of the way from the key image: bias of the disparities
-constexpr double kTracking_px = 0.3;     // one sigma of a corner's place, at least
-constexpr double kDepth_px = 0.3;        // one sigma of a corner's disparity
+constexpr int kSteps = 4;                   // of least squares
+constexpr double kAlike = 3.0;   // errors of corners are alike: their mean is less certain than were they independent
+constexpr double kOfWay = 0.01;  // of the way from the key image: bias of the disparities
+constexpr double kTracking_px = 0.3;  // one sigma of a corner's place, at least
+constexpr double kDepth_px = 0.3;     // one sigma of a corner's disparity
 
 cv::Point2f halved(const Eigen::Vector2d& px) {
   const Eigen::Vector2f half = ((px.array() + 0.5) / kHalf - 0.5).cast<float>();
@@ -40,7 +40,8 @@ Eigen::Vector2d doubled(const cv::Point2f& half_px) {
 
 /// Corrected disparity of the pixel at a place on the image; NaN without a match.
 double matchAt(const cv::Mat& disparity_px, const ScaleCorrection& correction, const Eigen::Vector2d& at_px) {
-  return correction.correct(disparity_px.at<float>(static_cast<int>(std::lround(at_px.y())), static_cast<int>(std::lround(at_px.x()))));
+  return correction.correct(
+      disparity_px.at<float>(static_cast<int>(std::lround(at_px.y())), static_cast<int>(std::lround(at_px.x()))));
 }
 
 }  // namespace
@@ -90,7 +91,8 @@ bool VisualOdometry::follow(const cv::Mat& disparity_px, const ScaleCorrection& 
     const Eigen::Vector2d at_px = doubled(seen_[i]);
     if (!geometry_.contains(at_px)) continue;
     const double d_px = geometry_.disparity(points_K_[i].z());
-    tracked_.push_back({points_K_[i], kDepth_px / d_px, {at_px.x(), at_px.y(), matchAt(disparity_px, correction, at_px)}});
+    tracked_.push_back(
+        {points_K_[i], kDepth_px / d_px, {at_px.x(), at_px.y(), matchAt(disparity_px, correction, at_px)}});
   }
   return static_cast<int>(tracked_.size()) >= kLeastInliers;
 }
@@ -146,7 +148,8 @@ VisualOdometry::Normal VisualOdometry::refine(Eigen::Isometry3d& T_C_K) const {
       const Eigen::Vector3d moved_px = measure(T_C_K * (corner.p_K * (1.0 + corner.depth_error))) - expected_px;
       Eigen::Vector3d off_px = corner.seen_px - expected_px;
       Eigen::Matrix3d covariance = moved_px * moved_px.transpose();
-      covariance.diagonal() += Eigen::Vector3d(kTracking_px * kTracking_px, kTracking_px * kTracking_px, kDepth_px * kDepth_px);
+      covariance.diagonal() +=
+          Eigen::Vector3d(kTracking_px * kTracking_px, kTracking_px * kTracking_px, kDepth_px * kDepth_px);
       const bool is_matched = std::abs(off_px.z()) <= kAnotherSurface_px;  // else NaN, or of another surface
       if (!is_matched) {
         off_px.z() = 0.0;
@@ -191,7 +194,8 @@ void VisualOdometry::setKey(const cv::Mat& disparity_px, const ScaleCorrection& 
   };
   for (const cv::KeyPoint& corner : found) {
     if (!(disparityAt(corner) > 0.0)) continue;
-    const cv::KeyPoint*& one = best[static_cast<int>(corner.pt.y) / kCell_px * columns + static_cast<int>(corner.pt.x) / kCell_px];
+    const cv::KeyPoint*& one =
+        best[static_cast<int>(corner.pt.y) / kCell_px * columns + static_cast<int>(corner.pt.x) / kCell_px];
     if (!one || corner.response > one->response) one = &corner;
   }
   corners_.clear();

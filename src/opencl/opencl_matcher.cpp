@@ -1,3 +1,5 @@
+#include "flight_corridor/opencl/opencl_matcher.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "flight_corridor/opencl/opencl_matcher.hpp"
 #include "opencl/kernel_source.hpp"
 #include "opencl/kernels.hpp"
 

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kSmallestForward = 0.5;    // cosine of the largest angle between beam and optical axis
 constexpr double kSmallestRadius_px = 2.0;  // a footprint narrower than a matching block holds one measurement anyway
-constexpr int kIterations = 4;  // until footprint and range agree
-constexpr double kGaussianMad = 1.4826;  // median absolute deviation to sigma
-constexpr double kAround = 6.0;          // radii around a footprint in which its surface should be alone
-constexpr double kBeside = 3.0;          // ... within which the beam may have met something
+constexpr int kIterations = 4;              // until footprint and range agree
+constexpr double kGaussianMad = 1.4826;     // median absolute deviation to sigma
+constexpr double kAround = 6.0;             // radii around a footprint in which its surface should be alone
+constexpr double kBeside = 3.0;             // ... within which the beam may have met something
 
 float median(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

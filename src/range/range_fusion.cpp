@@ -205,15 +205,17 @@ bool RangeFusion::replaces(const Surface& challenger, const Filter& filter, cons
   if (!challenger.isConfirmed() || !followed.isConfirmed()) return challenger.count() > followed.count();
   const std::size_t own = sensorOf(reading), other = 1 - own;
   const bool nearer = challenger.mean[0] < followed.mean[0];
-  if (challenger.seen_s[other] > followed.seen_s[other]) return nearer || challenger.seen_s[0] - challenger.period_s[0] > followed.seen_s[0];
-  const double silent_s = reading.stamp_s - followed.seen_s[other] - config_.lasting_s;  // more than a period is silence
+  if (challenger.seen_s[other] > followed.seen_s[other])
+    return nearer || challenger.seen_s[0] - challenger.period_s[0] > followed.seen_s[0];
+  const double silent_s =
+      reading.stamp_s - followed.seen_s[other] - config_.lasting_s;  // more than a period is silence
   const bool held =
       silent_s <= std::min(followed.period_s[other], config_.max_gap_s) && !elsewhere(filter, other, reading.stamp_s);
   return elsewhere(filter, own, reading.stamp_s) && (nearer || !held);
 }
 
-/// Notes a reading.  @return whether it is a frozen LiDAR's: it repeats itself while the range goes on changing, or stereo moves. A LiDAR
-/// that was nearer than stereo from the start is not: glass before a moving scene.
+/// Notes a reading.  @return whether it is a frozen LiDAR's: it repeats itself while the range goes on changing, or
+/// stereo moves. A LiDAR that was nearer than stereo from the start is not: glass before a moving scene.
 bool RangeFusion::watchRepetition(Repetition& repetition, const Surface& followed, const Reading& reading) const {
   if (reading.kind == Kind::Stereo) {
     if (std::isnan(repetition.stereo.value)) repetition.stereo = reading;

@@ -100,7 +100,8 @@ void RangeTracker::judge(double stamp_s, const std::optional<FootprintReading>& 
   tracked.lidar_is_rejected = lidar_.isRejected();
   tracked.lidar_range_valid =
       lidar_.hasValidRange(stamp_s, fusion_config_.max_gap_s) && !tracked.lidar_is_slow && !disagrees(Sensor::Lidar);
-  tracked.lidar_is_new = tracked.lidar_range_valid && lidar_.range(stamp_s, std::min(kSameMoment_s, stamp_s - pair_stamp_s_)) > 0.0;
+  tracked.lidar_is_new =
+      tracked.lidar_range_valid && lidar_.range(stamp_s, std::min(kSameMoment_s, stamp_s - pair_stamp_s_)) > 0.0;
   const bool too_close = has_lidar_ && lidar_.isTooClose(stamp_s, fusion_config_.max_gap_s);
   const double beyond_px = stereo ? beyondRig(stamp_s, *stereo, expected) : kNaN;
   const bool is_farther = disagrees(Sensor::Stereo) || beyond_px > 0.0;

@@ -9,8 +9,8 @@ namespace {
 
 using flight_corridor::above;
 using flight_corridor::from;
-using flight_corridor::Rule;
 using flight_corridor::ParameterTable;
+using flight_corridor::Rule;
 using flight_corridor::Tier;
 
 ParameterTable tableOf(RosConfig& c) {

@@ -203,7 +203,8 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   }
   if (rig_->motionWitness().contradicts() && motion_warning_.due()) {
     ROS_ERROR(
-        "the poses of camera \"%s\" in tf contradict its images: UNKNOWN. Check that CameraInfo is of these images (not "
+        "the poses of camera \"%s\" in tf contradict its images: UNKNOWN. Check that CameraInfo is of these images "
+        "(not "
         "of another size or of the uncropped sensor), the camera's mounting, and the odometry: %s",
         pair.header.frame_id.c_str(), describe(rig_->motionWitness().way()).c_str());
   }
@@ -261,15 +262,18 @@ std::optional<Eigen::Isometry3d> Processor::cameraPose(const std_msgs::Header& h
 std::optional<Eigen::Isometry3d> Processor::poseInAnyFrame(const std_msgs::Header& header) {
   for (const char* frame : {"odom", "map", "world", Transforms::kOdometryFrame}) {
     if (!fixed_frame_.empty() && fixed_frame_ != frame) continue;
-    const bool moves = transforms_.newestStamp(frame, header.frame_id).has_value();  // what stands in tf tells no motion
+    const bool moves =
+        transforms_.newestStamp(frame, header.frame_id).has_value();  // what stands in tf tells no motion
     const auto T_W_C = moves ? transforms_.find(frame, header.frame_id, header.stamp) : std::nullopt;
     if (!T_W_C) continue;
     fixed_frame_ = frame;
     return T_W_C;
   }
-  const bool is_apart = transforms_.hasOdometry() && !transforms_.newestStamp(Transforms::kOdometryFrame, header.frame_id);
+  const bool is_apart =
+      transforms_.hasOdometry() && !transforms_.newestStamp(Transforms::kOdometryFrame, header.frame_id);
   if (fixed_frame_.empty() && is_apart && pose_warning_.due()) {
-    ROS_WARN("odometry is not used: tf does not connect its child_frame_id with camera \"%s\"", header.frame_id.c_str());
+    ROS_WARN("odometry is not used: tf does not connect its child_frame_id with camera \"%s\"",
+             header.frame_id.c_str());
   }
   return std::nullopt;
 }

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "flight_corridor/pipeline.hpp"
 #include "flight_corridor/opencl/opencl_matcher.hpp"
+#include "flight_corridor/pipeline.hpp"
 #include "ros/conversions.hpp"
 #include "ros/imu.hpp"
 #include "ros/inbox.hpp"
@@ -112,7 +112,7 @@ class Processor {
   ros::Time newest_stamp_;
   std::uint64_t refused_ranges_ = 0, refused_imu_ = 0;  // known
   double useful_range_s_ = flight_corridor::kNaN;       // stamp of the newest useful range
-  std::string fixed_frame_;  // in which poses were found first
+  std::string fixed_frame_;                             // in which poses were found first
   Throttle stamp_warning_, lidar_warning_, range_warning_, reading_warning_, image_warning_, match_warning_,
       rows_warning_, black_warning_, pose_warning_, heading_warning_, motion_warning_;
 };

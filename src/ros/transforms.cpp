@@ -84,7 +84,8 @@ void Transforms::add(const nav_msgs::Odometry& odometry) {
   if (body.empty() || !is_pose || odometry.header.stamp.isZero()) {
     if (odometry_warning_.due()) {
       ROS_WARN(
-          "odometry of \"%s\" is not used: it needs a stamp, a child_frame_id that tf connects with the camera, a finite "
+          "odometry of \"%s\" is not used: it needs a stamp, a child_frame_id that tf connects with the camera, a "
+          "finite "
           "position and a unit quaternion (norm %g)",
           body.c_str(), turn.norm());
     }

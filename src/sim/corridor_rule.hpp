@@ -31,9 +31,10 @@ class CorridorRule {
 /// How far the UAV may fly along a direction and still turn on the spot: where it is not FREE, a box's width less [m].
 double usableDistance(const Verdict& verdict, double width_m);
 
-/// The best direction of a grid, unless along another, usable for a shorter way, the UAV gets nearer to the goal faster.
-/// @param goal_F unit vector to the goal in the corridor's frame.  @param width_m of the corridor.  @param speed how the
-/// UAV brakes.
+/// The best direction of a grid, unless along another, usable for a shorter way, the UAV gets nearer to the goal
+/// faster.
+/// @param goal_F unit vector to the goal in the corridor's frame.  @param width_m of the corridor.  @param speed how
+/// the UAV brakes.
 /// @return its index; -1: none is usable.
 int bestWay(const AreaGrid& areas, const Eigen::Vector3d& goal_F, double width_m, const SpeedConfig& speed);
 

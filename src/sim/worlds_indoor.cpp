@@ -14,7 +14,8 @@ Material plaster(Random& random) { return textured(random, 0.55, 0.2, 0.3); }
 Material wallPaint(Random& random) { return textured(random, 0.55, 0.04, 0.3); }
 
 /// Floor, ceiling and four walls from behind the start to behind the goal.
-void addHall(double half_width_m, double height_m, World& world, Random& random, Material (*surface)(Random&) = plaster) {
+void addHall(double half_width_m, double height_m, World& world, Random& random,
+             Material (*surface)(Random&) = plaster) {
   world.ground_W = {Eigen::Vector2d(-2.0, -half_width_m), Eigen::Vector2d(26.0, half_width_m)};
   const Eigen::Vector2d middle_W = world.ground_W.center();
   const Eigen::Vector3d size_m(world.ground_W.sizes().x(), 2.0 * half_width_m, height_m);

@@ -24,9 +24,9 @@ constexpr double kMostPoints = 0.75;              // of a look: the rest may be 
 constexpr std::size_t kFewestOfLens = 30;         // points
 constexpr double kOutliers = 0.05;                // share of the disparities, on either side
 constexpr double kLeastSpread_px = 2.0;           // of disparities: over less a wrong match decides
-constexpr int kIterations = 4;  // of weighted least squares
-constexpr double kResidual_px = 0.5;  // of a match
-constexpr double kSame = 0.5;         // share of the whole image's offset by which its parts may differ
+constexpr int kIterations = 4;                    // of weighted least squares
+constexpr double kResidual_px = 0.5;              // of a match
+constexpr double kSame = 0.5;                     // share of the whole image's offset by which its parts may differ
 
 bool isLate(RowFault fault) { return fault == RowFault::RightLate || fault == RowFault::LeftLate; }
 

@@ -57,7 +57,8 @@ void addOptions(CLI::App& app, ReplayInput& input) {
   app.add_option("--range", input.topics.range, "LiDAR (sensor_msgs/Range), or none; optional unless named")
       ->type_name("TOPIC");
   app.add_option("--imu", input.topics.imu, "imu (sensor_msgs/Imu); optional unless named")->type_name("TOPIC");
-  app.add_option("--odom", input.topics.odom, "odometry (nav_msgs/Odometry); optional unless named")->type_name("TOPIC");
+  app.add_option("--odom", input.topics.odom, "odometry (nav_msgs/Odometry); optional unless named")
+      ->type_name("TOPIC");
   CLI::Option* calib = app.add_option("--calib", input.reading.calibration_files,
                                       "calibration in place of CameraInfos; if each camera has a file:\nleft first")
                            ->type_name("FILE")

@@ -134,8 +134,7 @@ int flight_corridor::programs::simulate(int argc, char** argv) {
       "(FREE has no evidence), too_near (for stereo) or hidden (no sensor\n"
       "can see it)");
   app.add_flag_callback(
-      "--list-lidar-faults", [] { answer(sim::lidarFaultNames()); },
-      "print the names of the LiDAR's faults");
+      "--list-lidar-faults", [] { answer(sim::lidarFaultNames()); }, "print the names of the LiDAR's faults");
   app.footer("The same options give the same flight.");
   return runTool(app, argc, argv, [&] { tools::simulate(options, bag, truth); });
 }

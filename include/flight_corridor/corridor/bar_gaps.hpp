@@ -10,8 +10,8 @@
 
 namespace flight_corridor {
 
-/// Gaps in upright bars: a stem or a pole that is matched before the sky and before the ground, but not before a wall of
-/// its own grey, goes on between. One object, one thread.
+/// Gaps in upright bars: a stem or a pole that is matched before the sky and before the ground, but not before a wall
+/// of its own grey, goes on between. One object, one thread.
 class BarGaps {
  public:
   explicit BarGaps(const StereoGeometry& geometry) : geometry_(geometry) {}

@@ -22,7 +22,7 @@ struct PairEvidence {
   const cv::Mat& textured;  ///< CV_8UC1, see Texture.
   const ClearRays& rays;
   const BarGaps& gaps;
-  const EarlierPairs& earlier;  ///< What earlier pairs saw clear, from where the camera is now.
+  const EarlierPairs& earlier;            ///< What earlier pairs saw clear, from where the camera is now.
   const EarlierMatches& earlier_matches;  ///< What earlier pairs did not contradict, likewise.
   const ScaleCorrection& correction;
   double nearest_m;  ///< Nothing nearer is matched; not corrected.
@@ -62,7 +62,9 @@ class BoxInspector {
   const std::vector<PatchPoint>& missable() const { return patches_.missable(); }
 
  private:
-  static Absence absenceOf(const PairEvidence& pair) { return {pair.rays, pair.disparity, pair.textured, pair.earlier}; }
+  static Absence absenceOf(const PairEvidence& pair) {
+    return {pair.rays, pair.disparity, pair.textured, pair.earlier};
+  }
 
   StereoGeometry geometry_;
   BoxPatches patches_;

@@ -29,24 +29,23 @@ class ClearRays {
   /// surface without a step, which slopes by at most 60 degrees. At an angle a from the beam it is no nearer than
   /// Z / (1 + tan(60 deg) tan(a)). Not where it is matched nearer than that.
   /// @param evidence, textured as of the last look().  @param met_C where the beam ends, in C [m].
-  void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured,
-                         const ScaleCorrection& correction, const Eigen::Vector3d& met_C);
-
-  /// Whether it is known what a left pixel's ray meets.
-  bool meets(int u, int v) const { return met_left_px_.at<float>(v, u) < kInfinity; }
+  void clearPlainSurface(const DisparityEvidence& evidence, const cv::Mat& textured, const ScaleCorrection& correction,
+                         const Eigen::Vector3d& met_C);
 
   /// Of pixels that show nothing, black or white because they are clipped, no ray is clear.
   /// @param clipped CV_8UC1, see Texture.
   void hide(const cv::Mat& clipped) { met_left_px_.setTo(kInfinity, clipped); }
 
-  /// Leaves what a match or the LiDAR shows: runs that only their ends clear are not clear any more. A thing as plain as
-  /// what is behind it has no end, so such a run is no evidence for later.
+  /// Leaves what a match or the LiDAR shows: runs that only their ends clear are not clear any more. A thing as plain
+  /// as what is behind it has no end, so such a run is no evidence for later.
   void keepSeen();
 
   /// Up to which disparity each pixel's ray is clear, corrected, with noise, CV_32FC1; +inf: not clear. Whoever keeps
   /// one may put another image of that size in its place before the next look().
   cv::Mat& metLeft() { return met_left_px_; }
   cv::Mat& metRight() { return met_right_px_; }
+  const cv::Mat& metLeft() const { return met_left_px_; }
+  const cv::Mat& metRight() const { return met_right_px_; }
 
   /// Whether the ray of a left pixel, or that of the right camera to the same point, is clear there.
   /// @param at_px disparity of the point, corrected.  @param shift_px offset of the right pixel to the left of u.
@@ -62,9 +61,9 @@ class ClearRays {
                             const std::uint8_t* right);
 
   StereoGeometry geometry_;
-  double first_px_;  // smallest disparity searched
+  double first_px_;          // smallest disparity searched
   cv::Mat closed_, region_;  // of the beam's surface
-  cv::Mat kept_px_;          // CV_32FC1: up to which disparity at most a ray is clear for later, where its ends clear it
+  cv::Mat kept_px_;  // CV_32FC1: up to which disparity at most a ray is clear for later, where its ends clear it
   cv::Mat met_left_px_,
       met_right_px_;  // up to which disparity a pixel's ray is clear, corrected, with noise; +inf: not clear
 };

@@ -41,7 +41,8 @@ class Doubt {
 
   /// Whether there was any in a direction's box.
   bool isIn(int direction) const { return directions_[direction].is_doubtful; }
-  /// CV_8UC1: pixels that may be in the box, of a fan of one. 255: they are of a patch that is doubt; 128: they are not.
+  /// CV_8UC1: pixels that may be in the box, of a fan of one. 255: they are of a patch that is doubt; 128: they are
+  /// not.
   cv::Mat image() const;
 
  private:
@@ -105,15 +106,15 @@ class Doubt {
   double first_px_;
   Fan fan_{Box()};
   DisparityEvidence evidence_;
-  const EarlierMatches* earlier_ = nullptr;        // of the present call
+  const EarlierMatches* earlier_ = nullptr;      // of the present call
   const ScaleCorrection* correction_ = nullptr;  // likewise
-  double from_px_ = 0.0, end_px_ = 0.0;  // disparities between which the boxes are
-  bool is_camera_inside_ = false;        // all boxes: its rays enter none behind from_m
-  std::vector<double> corrected_px_;     // a disparity
-  int begin_d_ = 0, end_d_ = 0;          // between which they are looked at
-  std::vector<cv::Rect> views_;          // of the boxes that are asked about, a disparity
-  std::vector<double> matches_px_;       // a pixel, corrected; where it is looked at
-  std::vector<std::uint64_t> bits_;      // pixels that may be in a box: row by row, and of a row disparity by disparity
+  double from_px_ = 0.0, end_px_ = 0.0;          // disparities between which the boxes are
+  bool is_camera_inside_ = false;                // all boxes: its rays enter none behind from_m
+  std::vector<double> corrected_px_;             // a disparity
+  int begin_d_ = 0, end_d_ = 0;                  // between which they are looked at
+  std::vector<cv::Rect> views_;                  // of the boxes that are asked about, a disparity
+  std::vector<double> matches_px_;               // a pixel, corrected; where it is looked at
+  std::vector<std::uint64_t> bits_;  // pixels that may be in a box: row by row, and of a row disparity by disparity
   std::vector<Direction> directions_;
   std::vector<Scratch> scratch_;  // a band
 };

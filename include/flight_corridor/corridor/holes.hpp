@@ -44,8 +44,8 @@ enum class Sighted : std::uint8_t { Nowhere, Clear, ClearBefore, Unclear };
 /// What shows that space is clear; views.
 struct Absence {
   const ClearRays& rays;             ///< Of the newest pair.
-  const DisparityEvidence& matches;  ///< Of the newest pair: of a place at a match, or behind one, earlier pairs are not
-                                     ///< asked.
+  const DisparityEvidence& matches;  ///< Of the newest pair: of a place at a match, or behind one, earlier pairs are
+                                     ///< not asked.
   const cv::Mat& textured;  ///< See Texture.
   const EarlierPairs& earlier;
 };
@@ -76,14 +76,14 @@ class Holes {
   };
   /// A plane in the last pair's disparities.
   struct Place {
-    float at_px = 0.0f;        // corrected disparity
-    float measured_px = 0.0f;  // as it is matched
-    float first_px = 0.0f;     // smallest disparity searched
-    int shift_px = 0;          // from a left pixel to the right one
-    bool is_searched = false;  // not too near to be matched
+    float at_px = 0.0f;           // corrected disparity
+    float measured_px = 0.0f;     // as it is matched
+    float first_px = 0.0f;        // smallest disparity searched
+    int shift_px = 0;             // from a left pixel to the right one
+    bool is_searched = false;     // not too near to be matched
     EarlierPairs::Plane earlier;  // as earlier pairs saw it
-    cv::Mat unclear;           // CV_8UC1, strided: no ray shows that it is clear
-    int edge = 1;              // of a square that hides the smallest obstacle, in strides
+    cv::Mat unclear;              // CV_8UC1, strided: no ray shows that it is clear
+    int edge = 1;                 // of a square that hides the smallest obstacle, in strides
   };
   /// Counts of a plane's pixels in one box.
   struct Look {
@@ -98,8 +98,8 @@ class Holes {
   void layOut(const Fan& fan, double from_m, double smallest_m);
   void locate(const Plane& plane, const EarlierPairs& earlier, const ScaleCorrection& correction, double nearest_m,
               Place& place) const;
-  /// Of pixels that both cameras see.
-  static bool isUnclear(int u, int v, const Place& place, const Absence& absence);
+  static void findUnclear(int row, const Plane& plane, const Place& place, const Absence& absence,
+                          std::uint8_t* unclear);
   static bool wasClear(int u, int v, const Place& place, const Absence& absence);
   void closeGaps(const Plane& plane, Place& place, const Absence& absence);
   void askEarlier(const Plane& plane, Place& place, const Absence& absence);
@@ -117,10 +117,10 @@ class Holes {
   StereoGeometry geometry_;
   Fan fan_{Box()};
   double from_m_ = kNaN, smallest_m_ = kNaN;
-  std::vector<Plane> planes_;                          // of fan_, the nearest first
-  std::vector<Place> places_;                          // a plane
-  std::vector<Look> looks_;                            // a plane and direction
-  cv::Mat bare_, closed_;  // of the current plane, strided: without texture; the same, ended nearer, gaps closed
+  std::vector<Plane> planes_;  // of fan_, the nearest first
+  std::vector<Place> places_;  // a plane
+  std::vector<Look> looks_;    // a plane and direction
+  cv::Mat bare_, closed_;      // of the current plane, strided: without texture; the same, ended nearer, gaps closed
   cv::Mat hides_, in_squares_, unclear_sum_, hides_sum_;  // of the current plane, strided
   std::vector<int> squares_, above_;  // edges of the squares that end at each column, in this row and in the one above
   std::vector<Unobserved> found_;

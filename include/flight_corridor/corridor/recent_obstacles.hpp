@@ -21,7 +21,8 @@ class RecentObstacles {
 
   /// What of this pair blocks boxes of a fan, and images may miss.
   /// @param patches_C points of patches, see BoxPatches::missable().  @param unshown_C what no patch shows.
-  /// @param is_corridor whether the fan is the corridor: while the place of its obstacles is not known, nothing is free.
+  /// @param is_corridor whether the fan is the corridor: while the place of its obstacles is not known, nothing is
+  /// free.
   void add(const std::vector<PatchPoint>& patches_C, const std::vector<Eigen::Vector3d>& unshown_C, bool is_corridor);
 
   /// The corridor is blocked at this pair, by anything.

@@ -25,8 +25,8 @@ enum Reason : std::uint32_t {
   kNoPose = 1u << 4,      ///< UNKNOWN: a configured frame is not in tf at the pair's stamp, or its pose is invalid, or
                           ///< beyond the map's reach.
   kBadImage = 1u << 5,    ///< UNKNOWN: empty image, wrong size, unknown encoding, or left equal to right.
-  /// UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter, or the rows of
-  /// left and right image disagree, or the motion that is told contradicts that of the images.
+  /// UNKNOWN: impossible or missing CameraInfo, or stereo sees nothing before the corridor's last quarter, or the rows
+  /// of left and right image disagree, or the motion that is told contradicts that of the images.
   kBadCalibration = 1u << 6,
   kNoDisparity = 1u << 7,   ///< UNKNOWN: hardly any match (no texture, saturated, covered lens).
   kDisagreement = 1u << 8,  ///< Information: LiDAR and stereo disagree persistently; the nearer one rules.
@@ -43,7 +43,7 @@ enum Reason : std::uint32_t {
   /// UNKNOWN: the LiDAR measures less than stereo, persistently or by more than the rig explains, and stereo does not
   /// show it beside the beam; or it reports an obstacle too close to measure.
   kLidarNearer = 1u << 16,
-  kMoving = 1u << 17,  ///< BLOCKED: something that moves can have come into the box before the UAV stands.
+  kMoving = 1u << 17,    ///< BLOCKED: something that moves can have come into the box before the UAV stands.
   kNoMotion = 1u << 18,  ///< Information: neither tf nor the images tell how the camera moved; earlier pairs are not
                          ///< asked.
 };

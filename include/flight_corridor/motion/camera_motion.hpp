@@ -23,15 +23,15 @@ inline double varianceBetween(const PoseVariance& earlier, const PoseVariance& l
 /// A pose of the camera in a frame M that stands still.
 struct CameraPose {
   Eigen::Isometry3d T_M_C = Eigen::Isometry3d::Identity();
-  int series = 0;  ///< Poses of another series cannot be compared with it.
+  int series = 0;                 ///< Poses of another series cannot be compared with it.
   PoseVariance translation = {};  ///< [m^2]
   PoseVariance rotation = {};     ///< [rad^2]
 };
 
 constexpr double kMostError_m = 0.03;  ///< One sigma: places and motions that are less certain are not compared.
 
-/// From an earlier pose to a later one, for comparing what was seen from both; nullopt: they are of different series, or
-/// less certain than kMostError_m.
+/// From an earlier pose to a later one, for comparing what was seen from both; nullopt: they are of different series,
+/// or less certain than kMostError_m.
 std::optional<RelativePose> motionBetween(const CameraPose& earlier, const CameraPose& later);
 
 /// Where the camera is, for comparing pairs: by poses that are told, else by its images; and whether the two agree. One
@@ -65,15 +65,16 @@ class CameraMotion {
   double stamp_s_ = kNaN;
   bool is_told_ = false;
   double told_s_ = kNaN, step_s_ = kNaN;  // stamp of the last told pose, and time since the one before
-  Eigen::Isometry3d told_W_C_ = Eigen::Isometry3d::Identity(), step_ = Eigen::Isometry3d::Identity();  // it, and its step
+  Eigen::Isometry3d told_W_C_ = Eigen::Isometry3d::Identity(),
+                    step_ = Eigen::Isometry3d::Identity();  // it, and its step
   int series_ = 0;
   std::optional<CameraPose> pose_;
   CameraPose key_;  // pose of the key image, by the images
   // The way that is compared.
   Eigen::Isometry3d told_W_S_ = Eigen::Isometry3d::Identity();  // its start, as told
   Eigen::Isometry3d told_W_K_ = Eigen::Isometry3d::Identity();  // the key image, as told
-  double begun_s_ = kNaN, looked_s_ = kNaN, key_s_ = kNaN;  // stamps: its start, the last look, the key image
-  bool is_contradicted_ = false;                            // by the last look
+  double begun_s_ = kNaN, looked_s_ = kNaN, key_s_ = kNaN;      // stamps: its start, the last look, the key image
+  bool is_contradicted_ = false;                                // by the last look
 };
 
 }  // namespace flight_corridor

@@ -11,8 +11,8 @@
 
 namespace flight_corridor {
 
-/// The disparities that earlier pairs did not contradict. What stands at a place fits there in every pair that shows it;
-/// what fits in one by chance, of a pattern or of noise, hardly does in another. One object, one caller at a time.
+/// The disparities that earlier pairs did not contradict. What stands at a place fits there in every pair that shows
+/// it; what fits in one by chance, of a pattern or of noise, hardly does in another. One object, one caller at a time.
 class EarlierMatches {
  public:
   /// @param nearest_m nothing nearer is matched; not corrected.
@@ -30,8 +30,8 @@ class EarlierMatches {
   void forget() { pairs_.forget(); }
   bool empty() const { return pairs_.views().empty(); }
 
-  /// Whether an earlier pair shows that a patch of the newest one stands nowhere near a disparity: wherever the motion's
-  /// error may move it (2 sigma), fewer than half of its pixels fit, or are hidden by what is nearer.
+  /// Whether an earlier pair shows that a patch of the newest one stands nowhere near a disparity: wherever the
+  /// motion's error may move it (2 sigma), fewer than half of its pixels fit, or are hidden by what is nearer.
   /// @param patch pixels, not none.  @param at_px their disparity, corrected.  @param correction of all pairs.
   bool refute(const std::vector<cv::Point>& patch, double at_px, const ScaleCorrection& correction) const;
 

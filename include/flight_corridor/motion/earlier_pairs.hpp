@@ -13,8 +13,8 @@ namespace flight_corridor {
 /// What earlier pairs saw clear: their clear rays, each with its pose, for places that the newest pair does not show
 /// (a history of views instead of a fused map: NanoMap, Florence et al. 2018). A place was clear if the rays of two
 /// earlier pairs were, so that one pair's mistake is not remembered. Where a surface that one
-/// of them saw is seen no more, something may have come before it: there nothing is remembered. One object, one caller at
-/// a time.
+/// of them saw is seen no more, something may have come before it: there nothing is remembered. One object, one caller
+/// at a time.
 class EarlierPairs {
  public:
   explicit EarlierPairs(const StereoGeometry& geometry);
@@ -45,8 +45,8 @@ class EarlierPairs {
     return vanished_.at<std::uint8_t>(v / kCell_px, u / kCell_px) != 0;
   }
 
-  /// Whether the place of a point was clear before, by more than both its and the rays' errors, and so was what is around
-  /// it: in as many pairs as must agree, none of them older than this.
+  /// Whether the place of a point was clear before, by more than both its and the rays' errors, and so was what is
+  /// around it: in as many pairs as must agree, none of them older than this.
   /// @param p_C [m].
   bool wasClear(const Eigen::Vector3d& p_C, double oldest_s) const;
 
@@ -60,8 +60,9 @@ class EarlierPairs {
     friend class EarlierPairs;
     struct View {
       const cv::Mat *left, *right;
-      Eigen::Vector3f corner, along_u, along_v;  // homogeneous pixel of (0, 0) there, and what a pixel adds; z: depth [m]
-      float error_m;                             // one sigma of the place
+      Eigen::Vector3f corner, along_u,
+          along_v;    // homogeneous pixel of (0, 0) there, and what a pixel adds; z: depth [m]
+      float error_m;  // one sigma of the place
     };
     std::vector<View> views_;
     float focal_baseline_px_m_ = 0.0f, shift_px_ = 0.0f, focal_px_ = 0.0f;
@@ -80,7 +81,7 @@ class EarlierPairs {
   static constexpr int kCell_px = 16;  // squares in which a surface is seen, or not
 
   StereoGeometry geometry_;
-  mutable cv::Mat vanished_;  // a square; empty: not compared yet
+  mutable cv::Mat vanished_;                  // a square; empty: not compared yet
   cv::Mat best_px_, repeated_px_, textured_;  // of the newest pair
   Ring pairs_;
 };

@@ -18,8 +18,8 @@ struct Way {
 std::string describe(const Way& way);
 
 /// Compares told motion with that of the images. The images' depends on the calibration: a focal length of another
-/// image changes its turns, a shifted principal point its direction, a wrong baseline its length; a wrong mounting in tf
-/// turns all of it. What was told may be wrong itself. One object, one thread.
+/// image changes its turns, a shifted principal point its direction, a wrong baseline its length; a wrong mounting in
+/// tf turns all of it. What was told may be wrong itself. One object, one thread.
 class MotionWitness {
  public:
   /// Whether told and seen motion differ by more than three sigma.

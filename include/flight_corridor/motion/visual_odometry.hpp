@@ -14,16 +14,16 @@ namespace flight_corridor {
 /// A pose of the camera relative to an earlier one, with the uncertainty of both its parts.
 struct RelativePose {
   Eigen::Isometry3d T_K_C = Eigen::Isometry3d::Identity();  ///< Camera now, C, in the camera of then, K.
-  double sigma_m = 0.0;                                      ///< Of the translation, along its worst direction.
-  double sigma_rad = 0.0;                                    ///< Of the rotation, about its worst axis.
+  double sigma_m = 0.0;                                     ///< Of the translation, along its worst direction.
+  double sigma_rad = 0.0;                                   ///< Of the rotation, about its worst axis.
 
   /// One sigma of where a point at a depth is [m].
   double error(double depth_m) const { return std::hypot(sigma_m, sigma_rad * depth_m); }
 };
 
 /// The camera's motion by its images: corners of an earlier left image, the key image, with their matched depths, are
-/// tracked (pyramidal Lucas-Kanade, Bouguet 2001). The pose is that by which they are seen where they are, and as far as
-/// they are matched now: perspective n-point by RANSAC, then least squares. One object, one thread.
+/// tracked (pyramidal Lucas-Kanade, Bouguet 2001). The pose is that by which they are seen where they are, and as far
+/// as they are matched now: perspective n-point by RANSAC, then least squares. One object, one thread.
 class VisualOdometry {
  public:
   explicit VisualOdometry(const StereoGeometry& geometry) : geometry_(geometry) {}
