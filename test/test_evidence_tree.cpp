@@ -15,7 +15,7 @@ constexpr unsigned kSide = 16;              // cells of the corner of the octree
 constexpr unsigned short kLow = 32768 - 5;  // not at a coarse cube's border
 
 /// One value for each cell, changed one by one.
-using Cells = std::map<std::tuple<int, int, int>, float>;
+using CellValues = std::map<std::tuple<int, int, int>, float>;
 
 octomap::OcTreeKey key(unsigned x, unsigned y, unsigned z) {
   return octomap::OcTreeKey(static_cast<octomap::key_type>(kLow + x), static_cast<octomap::key_type>(kLow + y),
@@ -37,7 +37,7 @@ bool isInCube(const octomap::OcTreeKey& cell, const octomap::OcTreeKey& cube, un
          cell[2] >> shift == cube[2] >> shift;
 }
 
-void addTo(Cells& cells, const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
+void addTo(CellValues& cells, const octomap::OcTreeKey& cube, unsigned depth, float log_odds) {
   forEachCell([&](const octomap::OcTreeKey& cell) {
     if (!isInCube(cell, cube, depth)) return;
     float& value = cells[{cell[0], cell[1], cell[2]}];
@@ -45,7 +45,7 @@ void addTo(Cells& cells, const octomap::OcTreeKey& cube, unsigned depth, float l
   });
 }
 
-void forget(Cells& cells, const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
+void forget(CellValues& cells, const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
   forEachCell([&](const octomap::OcTreeKey& cell) {
     for (int axis = 0; axis < 3; ++axis) {
       if (cell[axis] < low[axis] || cell[axis] > high[axis]) return;
@@ -54,7 +54,7 @@ void forget(Cells& cells, const octomap::OcTreeKey& low, const octomap::OcTreeKe
   });
 }
 
-void expectEqual(const EvidenceTree& tree, const Cells& cells) {
+void expectEqual(const EvidenceTree& tree, const CellValues& cells) {
   forEachCell([&](const octomap::OcTreeKey& cell) {
     const auto expected = cells.find({cell[0], cell[1], cell[2]});
     const octomap::OcTreeNode* node = tree.search(cell);
@@ -105,7 +105,7 @@ class AnEvidenceTree : public ::testing::Test {
 };
 
 TEST_F(AnEvidenceTree, AgreesWithCellsThatAreChangedOneByOne) {
-  Cells cells;
+  CellValues cells;
   for (int round = 0; round < 40; ++round) {
     for (int i = 0; i < 60; ++i) {
       const octomap::OcTreeKey cube = anyCell();

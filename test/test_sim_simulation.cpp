@@ -281,12 +281,16 @@ TEST(Simulation, APartOfAFlightIsAsTheWholeFlightBegins) {
   const Simulation part(options);
   ASSERT_EQ(part.frameTimes().size(), 11u);
   EXPECT_TRUE(sameImages(part.frame(10), whole.frame(10)));
-  ASSERT_FALSE(part.ranges().empty());
-  for (std::size_t i = 0; i < part.ranges().size(); ++i) {
-    EXPECT_EQ(part.ranges()[i].stamp_s, whole.ranges()[i].stamp_s);
-    EXPECT_EQ(part.ranges()[i].range_m, whole.ranges()[i].range_m);
+  const std::vector<RangeReading> ranges = part.ranges(), all = whole.ranges();
+  ASSERT_FALSE(ranges.empty());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    EXPECT_EQ(ranges[i].stamp_s, all[i].stamp_s);
+    EXPECT_EQ(ranges[i].range_m, all[i].range_m);
   }
   EXPECT_NEAR(part.imuReadings().back().stamp_s, part.frameTimes().back(), 0.1);
+  options.duration_s = 0.0;
+  EXPECT_EQ(Simulation(options).frameTimes().size(), 1u);
+  EXPECT_TRUE(Simulation(options).imuReadings().empty());
   options.duration_s = 1000.0;
   EXPECT_EQ(Simulation(options).frameTimes(), whole.frameTimes());
 }
@@ -298,10 +302,12 @@ TEST(Simulation, RefusesWhatItDoesNotKnowAndNamesWhatItKnows) {
   EXPECT_NE(messageOf(options).find("'asleep'; known are: none"), std::string::npos);
   options = small("wall");
   options.rate_hz = 0.0;
+  options.duration_s = kNaN;
   options.image_scale = kNaN;
   options.yaw_rate_rad_s = -1.0;
   const std::string message = messageOf(options);
   EXPECT_NE(message.find("rate_hz"), std::string::npos);
+  EXPECT_NE(message.find("duration_s"), std::string::npos);
   EXPECT_NE(message.find("image_scale"), std::string::npos);
   EXPECT_NE(message.find("yaw_rate_rad_s"), std::string::npos);
 }

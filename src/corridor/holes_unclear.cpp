@@ -26,12 +26,11 @@ void Holes::findUnclear(int row, const Plane& plane, const Place& place, const A
   std::fill(unclear + seen_from, unclear + columns, std::uint8_t{1});
   if (!place.is_searched) return;
   const cv::Mat &left = absence.rays.metLeft(), &right = absence.rays.metRight();
-  const float* left_px = left.ptr<float>(v) + plane.view.x;
-  const float* right_px = right.ptr<float>(v) + plane.view.x - place.shift_px;
-  const int right_columns = right.cols + place.shift_px - plane.view.x;  // of pixels that the right image has
-  const int right_end = std::clamp((right_columns + stride - 1) / stride, seen_from, columns);
-  for (int i = seen_from; i < columns; ++i) unclear[i] = !(left_px[i * stride] < place.at_px);
-  for (int i = seen_from; i < right_end; ++i) unclear[i] &= !(right_px[i * stride] < place.at_px);
+  const float *left_px = left.ptr<float>(v) + plane.view.x, *right_px = right.ptr<float>(v), at_px = place.at_px;
+  const int first_right = plane.view.x - place.shift_px;
+  const int right_end = std::clamp((right.cols - first_right + stride - 1) / stride, seen_from, columns);
+  for (int i = seen_from; i < columns; ++i) unclear[i] = !(left_px[i * stride] < at_px);
+  for (int i = seen_from; i < right_end; ++i) unclear[i] &= !(right_px[first_right + i * stride] < at_px);
 }
 
 /// Whether earlier pairs saw it clear: that holds as long as the newest shows nothing there nor nearer, and nothing may

@@ -204,8 +204,7 @@ void Processor::explain(const StereoMessages& pair, const cv::Mat& right) {
   if (rig_->motionWitness().contradicts() && motion_warning_.due()) {
     ROS_ERROR(
         "the poses of camera \"%s\" in tf contradict its images: UNKNOWN. Check that CameraInfo is of these images "
-        "(not "
-        "of another size or of the uncropped sensor), the camera's mounting, and the odometry: %s",
+        "(not of another size or of the uncropped sensor), the camera's mounting, and the odometry: %s",
         pair.header.frame_id.c_str(), describe(rig_->motionWitness().way()).c_str());
   }
   const flight_corridor::RowAgreement& rows = report_.rows;

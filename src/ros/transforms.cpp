@@ -13,7 +13,6 @@ namespace flight_corridor_ros {
 
 namespace {
 
-constexpr double kUnit = 0.01;          // off the norm of a unit quaternion
 constexpr std::uint32_t kQueue = 1000;  // messages; many nodes send poses at 100 Hz and more
 
 }  // namespace
@@ -80,13 +79,12 @@ void Transforms::add(const nav_msgs::Odometry& odometry) {
   const auto& p = odometry.pose.pose.position;
   const Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
   const Eigen::Vector3d at(p.x, p.y, p.z);
-  const bool is_pose = at.allFinite() && std::abs(turn.norm() - 1.0) <= kUnit;  // not of NaN
+  const bool is_pose = at.allFinite() && isUnit(turn);  // not of NaN
   if (body.empty() || !is_pose || odometry.header.stamp.isZero()) {
     if (odometry_warning_.due()) {
       ROS_WARN(
           "odometry of \"%s\" is not used: it needs a stamp, a child_frame_id that tf connects with the camera, a "
-          "finite "
-          "position and a unit quaternion (norm %g)",
+          "finite position and a unit quaternion (norm %g)",
           body.c_str(), turn.norm());
     }
     return;

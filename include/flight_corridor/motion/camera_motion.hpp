@@ -65,8 +65,8 @@ class CameraMotion {
   double stamp_s_ = kNaN;
   bool is_told_ = false;
   double told_s_ = kNaN, step_s_ = kNaN;  // stamp of the last told pose, and time since the one before
-  Eigen::Isometry3d told_W_C_ = Eigen::Isometry3d::Identity(),
-                    step_ = Eigen::Isometry3d::Identity();  // it, and its step
+  Eigen::Isometry3d told_W_C_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d step_ = Eigen::Isometry3d::Identity();  // from the one before
   int series_ = 0;
   std::optional<CameraPose> pose_;
   CameraPose key_;  // pose of the key image, by the images

@@ -60,9 +60,8 @@ class EarlierPairs {
     friend class EarlierPairs;
     struct View {
       const cv::Mat *left, *right;
-      Eigen::Vector3f corner, along_u,
-          along_v;    // homogeneous pixel of (0, 0) there, and what a pixel adds; z: depth [m]
-      float error_m;  // one sigma of the place
+      Eigen::Vector3f corner, along_u, along_v;  // homogeneous pixel of (0, 0) there, what a pixel adds; z: depth [m]
+      float error_m;                             // one sigma of the place
     };
     std::vector<View> views_;
     float focal_baseline_px_m_ = 0.0f, shift_px_ = 0.0f, focal_px_ = 0.0f;
