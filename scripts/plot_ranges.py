@@ -51,10 +51,11 @@ def plot(rows, times, length_m, title):
     for state in STATE_COLOURS:
         if any(row["state"] == state for row in rows):
             axes.fill_between([], [], color=STATE_COLOURS[state], alpha=0.3, label=state)
-    axes.set(xlabel="time [s]", ylabel="range [m]", title=title)
+    axes.set(xlabel="time [s]", ylabel="range [m]")
+    figure.suptitle(title)
     axes.set_ylim(bottom=0)
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize="small", ncol=2)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize="small", ncol=4, frameon=False)
     figure.tight_layout()
     return figure
 
