@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <opencv2/core/persistence.hpp>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "flight_corridor/geometry/box.hpp"
