@@ -23,7 +23,7 @@ body {{ font: 16px/1.5 sans-serif; max-width: 1000px; margin: 2em auto; padding:
 img {{ max-width: 100%; }}
 table {{ border-collapse: collapse; }}
 th, td {{ padding: 0.3em 0.9em; border-bottom: 1px solid #ddd; text-align: right; vertical-align: middle; }}
-td img {{ width: 560px; display: block; }}
+td img {{ width: 440px; display: block; }}
 .FREE {{ color: #2a8f1d; }} .BLOCKED {{ color: #cf2020; }} .UNKNOWN {{ color: #b07800; }}
 .FREE, .BLOCKED, .UNKNOWN {{ font-weight: bold; }}
 </style></head><body>
@@ -37,7 +37,7 @@ grey: not seen). Below: the verdicts over time,
 All frames: <a href="flight.avi">flight.avi</a>.</p>
 {node}{evaluation}
 <h2>Changes of verdict</h2>
-<table><tr><th>time [s]</th><th>verdict</th><th>clear [m]</th><th>d_K [m]</th>
+<table><tr><th>time [s]</th><th>verdict</th><th>clear [m]</th><th>d_K [m]</th><th style="text-align: left">why</th>
 <th style="text-align: left">overlay, matched depth; filled depth, map</th></tr>
 {changes}</table>
 <h2>Ranges</h2>
@@ -85,7 +85,9 @@ def node_section(path):
 
 
 def evaluation_section(path):
-    return f"<h2>Against the truth</h2><pre>{html.escape(path.read_text(encoding='utf-8'))}</pre>"
+    return (f"<h2>Against the truth</h2><pre>{html.escape(path.read_text(encoding='utf-8'))}</pre>"
+            "<p>Straight towards a wood, more is UNKNOWN than in most scenes: trees fit on each other at another depth "
+            "(AMBIGUOUS, see doc/limits.md).</p>")
 
 
 def flown_section(path):
@@ -109,6 +111,7 @@ def change_row(row, time_s, index):
     shown = f'<a href="{picture}"><img src="{picture}" alt=""></a>'
     return (f'<tr><td>{time_s:.2f}</td><td class="{state}">{state}</td><td>{metres(row["clear_distance_m"])}</td>'
             f'<td>{metres(row["range_fused_m"])}</td>'
+            f'<td style="text-align: left">{row["reasons"].replace("|", "<br>")}</td>'
             f"<td>{shown}</td></tr>\n")
 
 

@@ -26,7 +26,9 @@ class BagFileTest : public test_support::SmallFlightTest {
   }
 };
 
-TEST_F(BagFileTest, NamesAMissingBag) { EXPECT_EQ(openError(), path() + ": cannot be read"); }
+TEST_F(BagFileTest, NamesAMissingBag) {
+  EXPECT_EQ(openError(), path() + ": cannot be read: No such file or directory");
+}
 
 TEST_F(BagFileTest, NamesAFileThatIsNoBag) {
   for (const char* text : {"", "#ROS", "stamp,state\n"}) {

@@ -2,6 +2,8 @@
 
 #include <rosbag/view.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "tools/bag_records.hpp"
@@ -13,7 +15,7 @@ void requireMagic(const std::string& path) {
   const std::string magic = "#ROSBAG ";
   std::string begin(magic.size(), ' ');
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be read");
+  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   if (begin != magic) throw std::runtime_error(path + ": cannot be read: is not a bag");
 }
